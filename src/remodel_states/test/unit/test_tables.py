@@ -128,27 +128,17 @@ def test_each_fault_is_caused_by_an_ability_that_reports_its_code():
             assert cause["code"] in errors, fault["fault"]
 
 
-OWN = {
-    "faults": [
-        {
-            "fault": "ferrule_missing",
-            "family": "grasping",
-            "codes": [
-                {
-                    "code": 1000,
-                    "name": "FERRULE_MISSING",
-                    "meaning": "The jaw is empty.",
-                    "remedy": "Feed ferrules.",
-                }
-            ],
-            "severity": "recoverable",
-            "symptoms": "The jaw closes on nothing.",
-            "first_level": "task",
-            "responses": [{"do": "ask_operator", "because": "Only a person can feed ferrules."}],
-            "cause": {"interface": {"ability": "CrimpFerrule", "code": "FERRULE_MISSING"}},
-        }
-    ]
-}
+OWN = yaml.safe_load("""\
+faults:
+  - fault: ferrule_missing
+    family: grasping
+    codes: [{code: 1000, name: FERRULE_MISSING, meaning: Empty jaw., remedy: Feed ferrules.}]
+    severity: recoverable
+    symptoms: The jaw closes on nothing.
+    first_level: task
+    responses: [{do: ask_operator, because: Only a person can feed ferrules.}]
+    cause: {interface: {ability: CrimpFerrule, code: FERRULE_MISSING}}
+""")
 
 
 def tables_with(folder, own):

@@ -1,6 +1,7 @@
 """Walls of ducts: combs with slots, open where ducts meet."""
 
 import math
+from dataclasses import replace
 from itertools import pairwise
 
 import pytest
@@ -9,16 +10,7 @@ from remodel_work.fixtures import WALL_M, duct_boxes, rail_box
 from remodel_work.panel import Duct, Rail
 
 ROW = Duct("D1", (0.0, 0.0, math.pi / 2), length=0.40, width=0.040, height=0.060)
-SLOTTED = Duct(
-    "D1",
-    (0.0, 0.0, math.pi / 2),
-    length=0.40,
-    width=0.040,
-    height=0.060,
-    slot_pitch=0.0125,
-    slot_width=0.007,
-    slot_bottom=0.015,
-)
+SLOTTED = replace(ROW, slot_pitch=0.0125, slot_width=0.007, slot_bottom=0.015)
 
 
 def spans(boxes, side, z):
