@@ -86,17 +86,6 @@ def test_a_hand_that_holds_another_wire_discards_none(cell):
         cell.run(discard_cable(cell.context, goal))
 
 
-def test_the_board_is_remembered_as_it_was_before_the_wire_was_touched(cell):
-    context, untouched = cell.context, cell.context.belief.untouched
-    seen = [context.cameras.take_overhead_pictures()[0] for _ in range(2)]
-    assert untouched == seen[1:], "the newest one"
-    hold(cell, WireEnd.A)
-    context.cameras.take_overhead_pictures()
-    assert untouched == seen[1:], "the wire is in the hand"
-    context.belief.start_wire(context.belief.feed, {})
-    assert not untouched, "another wire was fed"
-
-
 def test_only_an_older_token_is_refused():
     for owner in (NO_OWNER, 17, 18):
         check_owner(owner, 17)

@@ -1,6 +1,7 @@
 """What drivers publish is what skills read, and what skills command is what drivers take."""
 
 import threading
+from contextlib import nullcontext
 from types import SimpleNamespace
 
 import numpy as np
@@ -184,17 +185,12 @@ def test_an_action_goal_closes_the_hand_with_its_grip_force(ros, monkeypatch):
     assert message.goal.command.max_effort == design.gripper.grip_force
 
 
-class Arrivals:
+class Arrivals(nullcontext):
     """An inbox whose messages come by a script: one whenever the cell waits."""
 
     def __init__(self, *script):
+        super().__init__()
         self._script = list(script)
-
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *_):
-        return None
 
     def notify_all(self):
         return None
@@ -240,36 +236,33 @@ def cell(ros, complete, monkeypatch):
     return driven_cell.DrivenCell(topics, PANEL)
 
 
-def scripted(cell, ros, *messages):
-    """Let messages (topic, message) arrive, one whenever the cell waits."""
-    cell._inbox.arrived = Arrivals(*(lambda m=m: ros.deliver(*m) for m in messages))
-    arm = cell._arms["robot_1"]
-    design, topics = cell.design.robots[0], cell._topics.robots["robot_1"]
-    return arm, design, topics
+def joints_arrive(cell, ros, at_s):
+    topics, design = cell._topics.robots["robot_1"], cell.design.robots[0]
+    return lambda: ros.deliver(topics.joint_states, joints_at(topics, design, at_s))
+
+
+def force_arrives(cell, ros, at_s):
+    topic = cell._topics.robots["robot_1"].wrench[0]
+    return lambda: ros.deliver(topic, wrench(at_s, 0.0, 0.0, 1.0))
+
+
+def scripted(cell, *arrivals):
+    """Let messages arrive, one whenever the cell waits; return its arm."""
+    cell._inbox.arrived = Arrivals(*arrivals)
+    return cell._arms["robot_1"]
 
 
 def test_a_tick_is_over_when_the_joints_of_its_end_have_arrived(cell, ros):
-    topics, design = cell._topics.robots["robot_1"], cell.design.robots[0]
-    scripted(
-        *(cell, ros),
-        (topics.joint_states, joints_at(topics, design, 5.004)),
-        (topics.joint_states, joints_at(topics, design, 5.0 + TICK_S)),
-        (topics.joint_states, joints_at(topics, design, 9.0)),
-    )
+    scripted(cell, *(joints_arrive(cell, ros, at_s) for at_s in (5.004, 5.0 + TICK_S, 9.0)))
     cell.tick()
     assert cell.clock.now_s == pytest.approx(5.0 + TICK_S, abs=1e-6)
 
 
 def test_each_wrench_of_a_tick_is_answered_before_it_is_over(cell, ros):
-    topics, design = cell._topics.robots["robot_1"], cell.design.robots[0]
-    times = []
+    design, times = cell.design.robots[0], []
+    forces = (force_arrives(cell, ros, at_s) for at_s in (5.004, 5.008))
+    arm = scripted(cell, *forces, joints_arrive(cell, ros, 5.0 + TICK_S))
     joints = design.arm.joints_for(design.home)
-    arm, *_ = scripted(
-        *(cell, ros),
-        (topics.wrench[0], wrench(5.004, 0.0, 0.0, 1.0)),
-        (topics.wrench[0], wrench(5.008, 0.0, 0.0, 1.0)),
-        (topics.joint_states, joints_at(topics, design, 5.0 + TICK_S)),
-    )
 
     def step(_force, time_step):
         times.append(time_step)
@@ -281,17 +274,15 @@ def test_each_wrench_of_a_tick_is_answered_before_it_is_over(cell, ros):
 
 
 def test_a_push_that_feels_nothing_any_more_stops_and_a_person_is_asked(cell, ros):
-    topics, design = cell._topics.robots["robot_1"], cell.design.robots[0]
-    arm, *_ = scripted(cell, ros, (topics.joint_states, joints_at(topics, design, 5.2)))
+    arm = scripted(cell, joints_arrive(cell, ros, 5.2))
     arm.press(SimpleNamespace(step=lambda force, time_step: pytest.fail("nothing was felt")))
     with refused(Code.MOTION_FAULT, "/wrist_ft_sensor has published no force"):
         cell.tick()
 
 
-def test_an_arm_that_says_nothing_more_is_named(cell, ros, monkeypatch):
+def test_an_arm_that_says_nothing_more_is_named(cell, monkeypatch):
     monkeypatch.setattr(driven_cell, "SILENCE_S", -1.0)
-    scripted(cell, ros, ("/other", None))
-    ros.callbacks["/other"] = []
+    scripted(cell, lambda: None)
     with refused(Code.MOTION_FAULT, "robot_1 has published no joint states"):
         cell.tick()
 

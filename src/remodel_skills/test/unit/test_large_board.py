@@ -105,6 +105,8 @@ def test_the_whole_board_is_remembered_once_before_the_wire_is_touched(blank):
     cameras.take_overhead_picture(ROUTE[:1])
     assert belief.board_before(first.view) is again, "the wire is in the hand"
     assert len(belief.untouched) == len(DESIGN.overheads)
+    belief.start_wire(belief.feed, {})
+    assert not belief.untouched, "another wire was fed"
 
 
 @pytest.mark.parametrize("height", [IN_DUCT_M, OVER_RIM_M])
