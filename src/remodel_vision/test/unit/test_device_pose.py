@@ -88,10 +88,15 @@ def test_a_missing_device_is_not_its_neighbour():
     assert not stands_there(above, ROW[1], place)
 
 
-def test_a_device_turned_round_is_refused():
-    _, boxes = stand(X1=Pose.level(0.0, 0.0, 0.0, math.pi))
-    views = [view for view in look(boxes, ALONE) if view is not None]
-    assert not views or not locate_device(ALONE, views).clear
+@pytest.mark.parametrize(
+    ("part", "moved"),
+    [(ALONE, Pose.level(0.0, 0.0, 0.0, math.pi)), (ROW[0], Pose.level(0.0, -0.02, 0.0))],
+    ids=["turned round", "further along than it can be told from the next"],
+)
+def test_a_device_that_does_not_stand_as_it_should_is_refused(part, moved):
+    _, boxes = stand(**{part.id: moved})
+    views = [view for view in look(boxes, part) if view is not None]
+    assert not views or not locate_device(part, views).clear
 
 
 def test_a_device_that_is_not_down_on_its_rail_is_refused():
@@ -100,12 +105,6 @@ def test_a_device_that_is_not_down_on_its_rail_is_refused():
     assert not locate_device(ALONE, views).reliable, "the pictures from two places do not agree"
     assert not stands_there(from_above(boxes), ALONE, PANEL_AT @ ALONE.panel_from_component)
     assert where["X1"].position[2] == pytest.approx(0.004)
-
-
-def test_a_device_further_along_than_it_can_be_told_from_the_next_is_refused():
-    _, boxes = stand(D0=Pose.level(0.0, -0.02, 0.0))
-    views = [view for view in look(boxes, ROW[0]) if view is not None]
-    assert not views or not locate_device(ROW[0], views).clear
 
 
 def test_a_panel_that_is_another_one_or_too_far_off_is_not_registered():

@@ -55,22 +55,16 @@ def test_the_uppermost_of_two_wires_beside_each_other_is_taken():
     assert by_depth.height == pytest.approx(alone.height, abs=0.001)
 
 
-def test_the_highest_of_several_wires_of_one_colour_is_taken_not_the_nearest():
+def test_of_two_wires_of_one_colour_the_highest_is_taken_or_below_it_the_one_that_is_new():
     # Above the rims: the walls are lower.
-    shown = seen((ALIKE, lying(0.070, 0.004)), (ALIKE, lying(0.082, -0.014)))
-    passing = uppermost_past(place_at(0.070), REACH_M, WireLines(shown, WIRE))
-    assert passing.height == pytest.approx(0.082, abs=0.005)
-    assert passing.aside == pytest.approx(0.014, abs=0.003)
-
-
-def test_of_two_wires_of_one_colour_the_one_that_is_new_is_taken_below_the_other():
     stood = (ALIKE, lying(0.082, -0.014))
     lines = WireLines(seen(stood, (WIRE, lying(0.070, 0.004)), seed=1), WIRE)
     highest = uppermost_past(place_at(0.070), REACH_M, lines)
+    assert highest.height == pytest.approx(0.082, abs=0.005)
+    assert highest.aside == pytest.approx(0.014, abs=0.003), "not the nearest"
     passing = uppermost_past(place_at(0.070), REACH_M, lines, seen(stood))
-    assert highest.aside == pytest.approx(0.014, abs=0.003)
-    assert passing.aside == pytest.approx(-0.004, abs=0.003)
     assert passing.height == pytest.approx(0.070, abs=0.003)
+    assert passing.aside == pytest.approx(-0.004, abs=0.003)
 
 
 def test_an_older_wire_that_hides_the_new_one_is_not_taken_for_it():
