@@ -127,19 +127,8 @@ def before_the_opening(feels, panel=PANEL):
         "robot_1", PANDA_AT_ORIGIN, HOME, Gripper(30.0, 1.0), WristCamera("wrist", LENS), ""
     )
     overhead = View(LENS, Pose.level(0.5, 0.0, 1.0))
-    cell = CellDesign(
-        *(
-            "scripted",
-            None,
-            (robot,),
-            (overhead,),
-            overhead,
-            Table(0.5, 0.0, 1.0, 1.0),
-            None,
-            (),
-            (),
-        )
-    )
+    table = Table(0.5, 0.0, 1.0, 1.0)
+    cell = CellDesign("scripted", None, (robot,), (overhead,), overhead, table, None, (), ())
     device = Device(arm, ScriptedGripper(), None, None, None, None, TICK_S)
     belief = BeliefState("robot_1", PANDA_AT_ORIGIN)
     robots, traffic = {}, Traffic(PARAMETERS.motion.robots_apart_m)

@@ -17,6 +17,7 @@ from laid_wires import (
     laid,
     led,
 )
+from refusals import refused
 from scripted_device import PARAMETERS, ScriptedPlant
 
 from remodel_skills.belief_state import NO_CHANNEL, Feed
@@ -50,11 +51,10 @@ def test_a_wire_over_the_rims_or_the_wall_is_out_of_its_ducts(height, aside, is_
         assert found.share == pytest.approx(1.0, abs=0.05)
         check_ducts(found, PARAMETERS.fixture)
         return
-    with pytest.raises(
-        AbilityError, match=r"of \d+ mm of its route; allowed: \d+ mm; draw it out"
+    with refused(
+        Code.OUT_OF_DUCT, r"of \d+ mm of its route; allowed: \d+ mm; draw it out"
     ) as caught:
         check_ducts(found, PARAMETERS.fixture)
-    assert caught.value.code is Code.OUT_OF_DUCT
     assert caught.value.found["in_ducts"] == pytest.approx(0.0, abs=0.2)
 
 
@@ -92,9 +92,8 @@ def test_a_wire_that_curls_up_beside_its_duct_where_it_is_seen_in_it_lies_in_its
 
 
 def test_a_wire_that_lies_across_the_devices_is_not_in_its_ducts():
-    with pytest.raises(AbilityError, match="lies outside its ducts along") as caught:
+    with refused(Code.OUT_OF_DUCT, "lies outside its ducts along"):
         check_ducts(inspected(across_the_devices()), PARAMETERS.fixture)
-    assert caught.value.code is Code.OUT_OF_DUCT
 
 
 OTHER = "W1.5"  # black: in the shadow each colour comes near to it
@@ -119,9 +118,8 @@ def held_by_forks(cell, wire_id, *wires):
 
 @pytest.mark.parametrize("wire", [wire.id for wire in HARNESS.wires])
 def test_a_wire_of_each_colour_is_seen_beside_its_fork(harness, wire):
-    with pytest.raises(AbilityError, match=r"lies in 2 of its 3 forks: .* beside 'F2'") as caught:
+    with refused(Code.OUT_OF_DUCT, r"lies in 2 of its 3 forks: .* beside 'F2'"):
         held_by_forks(harness, wire, lying(wire, touching(-1, 1), 0.025))
-    assert caught.value.code is Code.OUT_OF_DUCT
 
 
 @pytest.mark.parametrize(
