@@ -15,7 +15,7 @@ from remodel_work.camera import Picture, View
 from remodel_work.component_shape import FERRULE_RGB, PLATE_RGB, Box, component_boxes
 from remodel_work.fixtures import duct_boxes, rail_box
 from remodel_work.geometry import Pose
-from remodel_work.panel import WireEnd
+from remodel_work.panel import BOARD, WireEnd
 
 TABLE = Box((0.5, 0.0, -0.023), (3.0, 3.0, 0.04), (0.36, 0.31, 0.27))
 BLUR_PX, NOISE_LEVELS, DEPTH_NOISE_M = 0.5, 3.0, 0.001
@@ -25,6 +25,7 @@ LIGHT = np.array([0.4, -0.3, 1.2]) / math.hypot(0.4, 0.3, 1.2)
 STEP_M = 0.0004
 FAR_M = 2.5
 NOISE_APART = 997
+ARCH_TOP_M, ARCH_Y, ARCH_SPAN_M = 0.115, -0.05, 0.30
 CORNERS = np.stack(np.meshgrid(*[[-0.5, 0.5]] * 3), axis=-1).reshape(-1, 3)
 
 
@@ -39,6 +40,16 @@ def bow(wire, aside=0.008):
     along_y = np.linspace(-0.5, 0.5, 41)
     x = 0.5 + aside * np.cos(math.pi * along_y)
     return np.column_stack([x, wire.length * along_y, np.full(41, wire.radius)])
+
+
+def arch():
+    """Return the nodes of a wire that stands out of the plate across it, (n, 3) [m].
+
+    It arches along x at ARCH_Y, higher than a hand travels.
+    """
+    x = np.linspace(-ARCH_SPAN_M / 2, ARCH_SPAN_M / 2, 61)
+    z = 0.003 + (ARCH_TOP_M - 0.003) * np.cos(math.pi * x / ARCH_SPAN_M)
+    return np.column_stack([BOARD.position[0] + x, np.full(61, ARCH_Y), z])
 
 
 def tip_of(nodes, end=WireEnd.A):

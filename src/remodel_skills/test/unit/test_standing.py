@@ -1,9 +1,7 @@
 """A hand travels over wires that the camera has seen to stand out of the board."""
 
-import math
-
-import numpy as np
 import pytest
+from drawn import arch
 from panels import panel
 from scripted_device import PARAMETERS, ScriptedPlant
 
@@ -17,15 +15,6 @@ from remodel_work.robot.arm import ToolPose
 MOTION = PARAMETERS.motion
 PANEL = panel(channels=())
 X = float(BOARD.position[0])
-# A wire that arches across the plate, higher than a hand travels [m].
-ARCH_TOP_M, ARCH_Y, SPAN_M = 0.115, -0.05, 0.30
-
-
-def arch():
-    """Return the nodes of a wire that stands out of the plate across it, (n, 3) [m]."""
-    x = np.linspace(-SPAN_M / 2, SPAN_M / 2, 61)
-    z = 0.003 + (ARCH_TOP_M - 0.003) * np.cos(math.pi * x / SPAN_M)
-    return np.column_stack([X + x, np.full(61, ARCH_Y), z])
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from drawn import along, boxes_of, picture
+from drawn import ARCH_Y, along, arch, boxes_of, picture
 from panels import example, panel
 
 from remodel_vision.opening_occupancy import is_seen_empty
@@ -25,8 +25,6 @@ OVER_RIM_M, IN_DUCT_M = 0.066, 0.030
 NEAR_NODE_M, ALONG, SEEN_HEIGHT_M = 0.010, 0.05, 0.003
 # An end is so deep in its terminal [m].
 DEEP_M = 0.010
-# A wire that arches across the plate, higher than a hand travels [m].
-ARCH_TOP_M, ARCH_Y, SPAN_M = 0.115, -0.05, 0.30
 
 
 @pytest.mark.parametrize("leg", [1, 2])
@@ -59,13 +57,6 @@ def test_only_the_openings_of_a_wire_are_not_seen_empty():
     keys = [(part.id, each.id) for part in HOUSEHOLD.components for each in part.terminals]
     taken = {key for key in keys if not is_seen_empty(shown, opening_of(key, HOUSEHOLD, {}), wire)}
     assert taken == {wire.goes_to(end) for end in WireEnd}
-
-
-def arch():
-    """Return the nodes of a wire that stands out of the plate across it, (n, 3) [m]."""
-    x = np.linspace(-SPAN_M / 2, SPAN_M / 2, 61)
-    z = 0.003 + (ARCH_TOP_M - 0.003) * np.cos(math.pi * x / SPAN_M)
-    return np.column_stack([BOARD.position[0] + x, np.full(61, ARCH_Y), z])
 
 
 @pytest.mark.parametrize("cell", ["cabinet", "two_arms_cabinet"])
