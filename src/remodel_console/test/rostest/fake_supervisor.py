@@ -368,6 +368,7 @@ class FakeRecords:
 
     def __init__(self, start_s=START_S):
         """Begin to serve the record of a run that began at a ROS time [s]."""
+        self.listed = 0
         self._entries = {12: recorded_run(), 13: without_failure(recorded_run())}
         for entries in self._entries.values():
             for one in entries:
@@ -379,6 +380,7 @@ class FakeRecords:
         ]
 
     def _list(self, _request):
+        self.listed += 1
         runs = [
             msg.RunSummary(
                 run=run, order="cabinet 7", cell="cell 1", started=rospy.Time(1795200000),

@@ -281,9 +281,7 @@ class ReplayPage(Page):
         """List the runs; open the one that the address names."""
         runs = await self._runs.list()
         wanted = next((one for one in runs if str(one.run) == self.query.get("run")), None)
-        if self._run:
-            self._runs.mark(self._run)
-        elif wanted is not None:
+        if wanted is not None and not self._run:
             await self._open(wanted)
 
     async def _open(self, summary: Summary) -> None:

@@ -202,6 +202,8 @@ class RunList:
         self._on_list = on_list
         self._console = console
         self._open = open_run
+        self._listed: tuple[Summary, ...] | None = None
+        self._marked = 0
         with ui.element("aside").classes("runs").props('tabindex="0" aria-label="Runs"'):
             with ui.row().classes("runs-head"):
                 ui.label("Runs").classes("title")
@@ -211,28 +213,36 @@ class RunList:
                 ui.label(_UNKNOWN).classes("soft")
 
     async def list(self) -> tuple[Summary, ...]:
-        """Request the runs, show and return them; none if no supervisor is running."""
+        """Request the runs, show and return them; none if no supervisor is running.
+
+        Buttons of a list that is as before stay: one may be pressed just now.
+        """
         recorder = self._console.recorder
-        self._area.clear()
         try:
             if recorder is None:
                 raise CommandError("ROS is not running; records cannot be requested.")
             runs = await run.io_bound(recorder.runs)
         except CommandError as error:
+            self._listed = None
+            self._area.clear()
             with self._area:
                 ui.label(str(error)).classes("ending bad")
             return ()
         self._on_list(runs)
-        self._area.clear()
-        with self._area:
-            if not runs:
-                ui.label(_NONE).classes("soft")
-            for summary in runs:
-                self._show(summary)
+        if runs != self._listed:
+            self._listed = runs
+            self._area.clear()
+            with self._area:
+                if not runs:
+                    ui.label(_NONE).classes("soft")
+                for summary in runs:
+                    self._show(summary)
+            self.mark(self._marked)
         return runs
 
     def mark(self, number: int) -> None:
-        """Mark the run that is open."""
+        """Mark the run that is open; 0: none is."""
+        self._marked = number
         for button in self._area.default_slot.children:
             is_open = button.props.get("data-run") == str(number)
             button.classes(add="here" if is_open else None, remove=None if is_open else "here")
