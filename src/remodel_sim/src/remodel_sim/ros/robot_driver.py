@@ -44,7 +44,7 @@ T = TypeVar("T")
 # Cameras that a node watches take a picture this often [s of simulated time].
 CAMERA_PERIOD_S = 0.1
 # Simulated time waits so long for who answers each wrench: a machine may be busy [s of the wall].
-ANSWER_S = 2.0
+ANSWER_S = 10.0
 # Joint states are published at every second step of the physics, wrenches at each.
 STATE_STEPS = 2
 PACES = (0.05, 2.0)
