@@ -91,7 +91,7 @@ def test_a_missing_device_is_not_its_neighbour():
 @pytest.mark.parametrize(
     ("part", "moved"),
     [(ALONE, Pose.level(0.0, 0.0, 0.0, math.pi)), (ROW[0], Pose.level(0.0, -0.02, 0.0))],
-    ids=["turned round", "further along than it can be told from the next"],
+    ids=["reversed", "20 mm along the rail, near the next device"],
 )
 def test_a_device_that_does_not_stand_as_it_should_is_refused(part, moved):
     _, boxes = stand(**{part.id: moved})
