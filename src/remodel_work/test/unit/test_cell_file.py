@@ -147,6 +147,10 @@ def test_what_is_wrong_is_reported_with_its_place_what_was_found_and_what_is_all
         (with_robot("gripper", grip_force=-1), "gripper.grip_force: found -1; allowed: 10 or more"),
         (with_robot("home", x=2.0), "home: no arm posture reaches x 2000"),
         (
+            with_robot(scrap_bin={"x": 0.4, "y": 0.5, "z": 0.15, "yaw_deg": 90.0}),
+            r"scrap_bin: found x 0.400, y 0.500 m; allowed: 0.05 m or more beside the .* 1.00 m",
+        ),
+        (
             with_robot(limits={"lower_deg": [-170] * 7, "upper_deg": [170] * 7}),
             "limits: joint 1 has -2.9671 to 2.9671 rad; allowed within -2.8973",
         ),

@@ -33,6 +33,8 @@ from remodel_work.robot.arm import Arm, Kinematics, ToolPose
 
 # Two bases need this much room between them [m].
 BASES_APART_M = 0.50
+# A bin stands so far beside the plate, or further [m]: a wire's end that is dropped clears the edge.
+BIN_ROOM_M = 0.05
 # There are so many labels: DICT_4X4_250.
 MARKERS = 250
 
@@ -153,6 +155,7 @@ def find_design_problems(design: CellDesign) -> tuple[str, ...]:
         *_axes(design),
         *_fingers(design),
         *_homes(design),
+        *_bins(design),
         *_bases(design),
         *_presenting(design),
     )
@@ -229,6 +232,21 @@ def _homes(design: CellDesign) -> Iterator[str]:
                     robot.arm.joints_for(tool)
             except AbilityError as error:
                 yield f"robots[{i}].{name}: {error}"
+
+
+def _bins(design: CellDesign) -> Iterator[str]:
+    middle, plate = design.world_from_panel.position[:2], design.takes.plate
+    for i, robot in enumerate(design.robots):
+        if robot.scrap_bin is None:
+            continue
+        beyond = np.abs(robot.scrap_bin.position[:2] - middle) - np.array(plate) / 2
+        if beyond.max() < BIN_ROOM_M - 1e-9:
+            x, y = robot.scrap_bin.position[:2]
+            yield (
+                f"robots[{i}].scrap_bin: found x {x:.3f}, y {y:.3f} m; allowed: {BIN_ROOM_M} m or "
+                f"more beside the largest plate that the cell takes, {plate[0]:.2f} x "
+                f"{plate[1]:.2f} m; or let it take smaller ones (takes.plate)"
+            )
 
 
 def _presenting(design: CellDesign) -> Iterator[str]:
