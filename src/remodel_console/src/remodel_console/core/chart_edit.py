@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from dataclasses import replace
 from typing import TypeVar
 
@@ -27,7 +27,7 @@ from flexbe_synthesizer.core.chart.model import (
     parse_literal,
 )
 from flexbe_synthesizer.core.library.signature import is_type
-from remodel_console.core.editing import Path, container_at
+from remodel_console.core.editing import Path, container_at, with_state_id, with_targets
 from remodel_console.errors import CommandError
 
 _ENDS = ("finished", "failed")  # outcomes of a container that is new, as in the FlexBE App
@@ -45,9 +45,14 @@ def node_at(chart: Chart, path: Path) -> AnyNode | None:
 def unused_id(scope: Chart, wanted: str) -> str:
     """Return an id that nothing in the scope has yet."""
     taken = {node.id for node in scope.nodes} | {outcome.name for outcome in scope.outcomes}
+    return unused(wanted, taken, " ")
+
+
+def unused(wanted: str, taken: Collection[str], mark: str) -> str:
+    """Return a name that is not taken: the one wanted, or that with a mark and a number."""
     number, found = 2, wanted
     while found in taken:
-        found, number = f"{wanted} {number}", number + 1
+        found, number = f"{wanted}{mark}{number}", number + 1
     return found
 
 
@@ -108,18 +113,11 @@ def renamed(scope: Chart, old: str, new: str) -> Chart:
 
     nodes: list[AnyNode] = []
     for node in scope.nodes:
-        led = tuple(replace(t, target=follow(t.target)) for t in node.transitions)
-        routes = tuple(replace(route, target=follow(route.target)) for route in node.on_error)
-        moved = replace(node, transitions=led, on_error=routes, id=follow(node.id))
+        moved = replace(with_targets(node, follow), id=follow(node.id))
         if isinstance(moved, Container) and node.id == old:
             moved = replace(moved, body=with_name(moved.body, new))
         nodes.append(moved)
-    flows = tuple(
-        replace(
-            c, output_state_id=follow(c.output_state_id), input_state_id=follow(c.input_state_id)
-        )
-        for c in scope.connections
-    )
+    flows = with_state_id(scope.connections, old, new)
     conditions = tuple(
         replace(c, all_of=tuple(replace(when, state=follow(when.state)) for when in c.all_of))
         for c in scope.conditions
@@ -132,15 +130,7 @@ def renamed(scope: Chart, old: str, new: str) -> Chart:
 
 def with_name(body: Chart, name: str) -> Chart:
     """Return a chart or a container's content under another name, as its connections call it."""
-    flows = tuple(
-        replace(
-            c,
-            output_state_id=name if c.output_state_id == body.name else c.output_state_id,
-            input_state_id=name if c.input_state_id == body.name else c.input_state_id,
-        )
-        for c in body.connections
-    )
-    return replace(body, name=name, connections=flows)
+    return replace(body, name=name, connections=with_state_id(body.connections, body.name, name))
 
 
 def led(scope: Chart, node_id: str, event: str, target: str) -> Chart:
@@ -156,7 +146,7 @@ def led(scope: Chart, node_id: str, event: str, target: str) -> Chart:
         changed = tuple(replace(t, target=target) if t is old else t for t in node.transitions)
         return _with_transitions(node, changed)
 
-    return _changed(scope, node_id, lead)
+    return with_changed(scope, node_id, lead)
 
 
 def with_autonomy(scope: Chart, node_id: str, event: str, level: Autonomy | None) -> Chart:
@@ -166,7 +156,7 @@ def with_autonomy(scope: Chart, node_id: str, event: str, level: Autonomy | None
         changed = (replace(t, autonomy=level) if t.event == event else t for t in node.transitions)
         return _with_transitions(node, tuple(changed))
 
-    return _changed(scope, node_id, put)
+    return with_changed(scope, node_id, put)
 
 
 def with_topic(scope: Chart, node_id: str, topic: str) -> Chart:
@@ -175,7 +165,7 @@ def with_topic(scope: Chart, node_id: str, topic: str) -> Chart:
     def put(node: AnyNode) -> AnyNode:
         return replace(node, topic=topic or None) if isinstance(node, State) else node
 
-    return _changed(scope, node_id, put)
+    return with_changed(scope, node_id, put)
 
 
 def with_parameter(scope: Chart, node_id: str, name: str, text: str) -> Chart:
@@ -189,12 +179,12 @@ def with_parameter(scope: Chart, node_id: str, name: str, text: str) -> Chart:
             known.pop(name, None)
         return replace(node, params=tuple(known.values()))
 
-    return _changed(scope, node_id, put)
+    return with_changed(scope, node_id, put)
 
 
 def limited(scope: Chart, node_id: str, attempts: int | None, timeout_s: float | None) -> Chart:
     """Return the scope with a node's limits: entries in a run, time of one visit [s]."""
-    return _changed(
+    return with_changed(
         scope, node_id, lambda node: replace(node, attempts=attempts, timeout_s=timeout_s)
     )
 
@@ -209,7 +199,7 @@ def routed(scope: Chart, node_id: str, text: str) -> Chart:
         routes = parse_routes(text) if text else ()
     except ValueError as error:
         raise CommandError(f"'{text}' is no error route; write {ROUTES_RULE}") from error
-    return _changed(scope, node_id, lambda node: replace(node, on_error=routes))
+    return with_changed(scope, node_id, lambda node: replace(node, on_error=routes))
 
 
 def fed(scope: Chart, node_id: str, input_name: str, source: tuple[str, str] | None) -> Chart:
@@ -252,7 +242,8 @@ def targets(scope: Chart) -> Iterator[str]:
     yield from (outcome.name for outcome in scope.outcomes)
 
 
-def _changed(scope: Chart, node_id: str, change: Callable[[AnyNode], AnyNode]) -> Chart:
+def with_changed(scope: Chart, node_id: str, change: Callable[[AnyNode], AnyNode]) -> Chart:
+    """Return the scope with a node changed."""
     nodes = tuple(change(node) if node.id == node_id else node for node in scope.nodes)
     return replace(scope, nodes=nodes)
 
@@ -279,13 +270,13 @@ def with_kind(scope: Chart, node_id: str, kind: ContainerKind) -> Chart:
 
     What runs all at once has no first state and no transitions, and what does not, no conditions.
     """
-    nodes = tuple(
-        replace(node, type=kind.value, body=_fitted(node.body, kind))
-        if isinstance(node, Container) and node.id == node_id
-        else node
-        for node in scope.nodes
-    )
-    return replace(scope, nodes=nodes)
+
+    def put(node: AnyNode) -> AnyNode:
+        if isinstance(node, Container):
+            return replace(node, type=kind.value, body=_fitted(node.body, kind))
+        return node
+
+    return with_changed(scope, node_id, put)
 
 
 def _fitted(body: Chart, kind: ContainerKind) -> Chart:
@@ -332,14 +323,14 @@ def with_input(scope: Chart, place: int, name: str, kind: str, default: str) -> 
     """
     value = as_declared(default, kind) if default else None
     port = Input(name, kind or None, value) if name else None
-    flows = _followed(scope, _ends_of_input, scope.inputs[place : place + 1], port)
+    flows = _followed(scope, "output", scope.inputs[place : place + 1], port)
     return replace(scope, inputs=_put(scope.inputs, place, port), connections=flows)
 
 
 def with_output(scope: Chart, place: int, name: str, kind: str) -> Chart:
     """Return the scope with one of its outputs changed, added or removed; see `with_input`."""
     port = Output(name, kind or None) if name else None
-    flows = _followed(scope, _ends_of_output, scope.outputs[place : place + 1], port)
+    flows = _followed(scope, "input", scope.outputs[place : place + 1], port)
     return replace(scope, outputs=_put(scope.outputs, place, port), connections=flows)
 
 
@@ -364,32 +355,18 @@ def _expect_usable(port: Input | Output, taken: set[str]) -> None:
         )
 
 
-def _ends_of_input(flow: Connection, scope: str, old: str, new: str) -> Connection | None:
-    """Return a connection with an input of the scope renamed; None if it names another."""
-    return (
-        replace(flow, output=new) if (flow.output_state_id, flow.output) == (scope, old) else None
-    )
-
-
-def _ends_of_output(flow: Connection, scope: str, old: str, new: str) -> Connection | None:
-    """Return a connection with an output of the scope renamed; None if it names another."""
-    return replace(flow, input=new) if (flow.input_state_id, flow.input) == (scope, old) else None
-
-
 def _followed(
-    scope: Chart,
-    rename: Callable[[Connection, str, str, str], Connection | None],
-    old: tuple[Input | Output, ...],
-    port: Input | Output | None,
+    scope: Chart, side: str, old: tuple[Input | Output, ...], port: Input | Output | None
 ) -> tuple[Connection, ...]:
-    """Return the connections of a scope that follow a port's new name, or go with it."""
-    if not old:
-        return scope.connections
+    """Return the connections of a scope that follow a port's new name, or go with it.
+
+    `side` of a connection is that of the port: "output" of an input, whose value flows inside.
+    """
     found = []
     for flow in scope.connections:
-        renamed = rename(flow, scope.name, old[0].name, port.name if port else "")
-        if renamed is None:
+        end = (getattr(flow, f"{side}_state_id"), getattr(flow, side))
+        if not old or end != (scope.name, old[0].name):
             found.append(flow)
         elif port is not None:
-            found.append(renamed)
+            found.append(replace(flow, **{side: port.name}))
     return tuple(found)

@@ -11,7 +11,6 @@ from flexbe_synthesizer.core.chart.model import (
     Connection,
     Container,
     ContainerKind,
-    ErrorRoute,
     Input,
     Outcome,
     Output,
@@ -19,8 +18,8 @@ from flexbe_synthesizer.core.chart.model import (
     Transition,
 )
 from flexbe_synthesizer.core.chart.names import snake_case
-from remodel_console.core.chart_edit import node_at, renamed, unused_id, with_node
-from remodel_console.core.editing import Path, container_at
+from remodel_console.core.chart_edit import node_at, renamed, unused, unused_id, with_node
+from remodel_console.core.editing import Path, container_at, with_targets
 from remodel_console.errors import CommandError
 
 
@@ -152,20 +151,14 @@ class _Ends:
 
     def led(self, node: AnyNode) -> AnyNode:
         """Return a node that leads to outcomes of the container in place of what is outside."""
-        transitions = tuple(replace(t, target=self._end(t.target)) for t in node.transitions)
-        routes = tuple(ErrorRoute(r.codes, self._end(r.target)) for r in node.on_error)
-        return replace(node, transitions=transitions, on_error=routes)
+        return with_targets(node, self._end)
 
     def _end(self, target: str) -> str:
         if target in self._inside:
             return target
         if target not in self.names:
             taken = {*self._inside, *self.names.values()}
-            wanted = snake_case(target)
-            self.names[target] = next(
-                name for name in (wanted, *(f"{wanted}_{n}" for n in range(2, 999)))
-                if name not in taken
-            )  # fmt: skip
+            self.names[target] = unused(snake_case(target), taken, "_")
         return self.names[target]
 
 
@@ -185,11 +178,9 @@ def _flow(scope: Chart, ids: Collection[str], node_id: str, reads: Keys, writes:
     def port(state: str, key: str, *, is_input: bool) -> str:
         known = ports.get((state, key, is_input))
         if known is None:
-            names = flow.inputs if is_input else flow.outputs
-            taken = {*flow.inputs, *flow.outputs}
-            known = next(n for n in (key, *(f"{key}_{i}" for i in range(2, 999))) if n not in taken)
+            known = unused(key, {*flow.inputs, *flow.outputs}, "_")
             ports[state, key, is_input] = known
-            names.append(known)
+            (flow.inputs if is_input else flow.outputs).append(known)
         return known
 
     for one in scope.connections:
@@ -232,9 +223,7 @@ def _add_by_name(
 
 def _entering(node: AnyNode, ids: Collection[str], node_id: str) -> AnyNode:
     """Return a node that leads to the container in place of what is in it."""
-    led = tuple(replace(t, target=node_id) if t.target in ids else t for t in node.transitions)
-    routes = tuple(replace(r, target=node_id) if r.target in ids else r for r in node.on_error)
-    return replace(node, transitions=led, on_error=routes)
+    return with_targets(node, lambda target: node_id if target in ids else target)
 
 
 def _corner(nodes: Iterable[AnyNode]) -> Point | None:

@@ -24,7 +24,7 @@ from flexbe_synthesizer.core.chart.model import (
 from flexbe_synthesizer.core.export.draw import is_failure_name
 from flexbe_synthesizer.core.machine.lower import RUN, TIMER
 from remodel_console.core.chart_edit import KIND_WORDS, feed_of
-from remodel_console.core.editing import Path
+from remodel_console.core.editing import Path, node_paths
 from remodel_console.core.inspection import Inspection
 
 _DEEPEST = 4  # behaviors inside behaviors that are drawn open
@@ -69,44 +69,9 @@ def engine_paths(chart: Chart, path: str) -> frozenset[str]:
     return frozenset(found)
 
 
-def drawn_paths(chart: Chart, prefix: str = "") -> frozenset[str]:
+def drawn_paths(chart: Chart) -> frozenset[str]:
     """Return the paths of all that a drawing of a chart shows."""
-    paths: set[str] = set()
-    for node in chart.nodes:
-        path = f"{prefix}{node.id}"
-        paths.add(path)
-        if isinstance(node, Container):
-            paths |= drawn_paths(node.body, f"{path}/")
-    return frozenset(paths)
-
-
-@dataclass(frozen=True)
-class Opened:
-    """Charts by display name and by the path that other charts call them by."""
-
-    by_name: dict[str, Chart]
-
-    def inside(self, chart: Chart, depth: int = 0) -> Chart:
-        """Return a chart with the behaviors in it as containers of what they do, to be drawn."""
-        return replace(chart, nodes=tuple(self._opened(node, depth) for node in chart.nodes))
-
-    def _opened(self, node: AnyNode, depth: int) -> AnyNode:
-        if isinstance(node, Container):
-            return replace(node, body=self.inside(node.body, depth))
-        found = self.by_name.get(node.type) if isinstance(node, Behavior) else None
-        if found is None or depth >= _DEEPEST:
-            return node
-        body = replace(self.inside(found, depth + 1), name=node.id)
-        return Container(
-            id=node.id,
-            type="container",
-            transitions=node.transitions,
-            attempts=node.attempts,
-            timeout_s=node.timeout_s,
-            on_error=node.on_error,
-            at=node.at,
-            body=body,
-        )
+    return frozenset("/".join(path) for path in node_paths(chart))
 
 
 def opened(chart: Chart, others: Iterable[Chart]) -> Chart:
@@ -115,7 +80,26 @@ def opened(chart: Chart, others: Iterable[Chart]) -> Chart:
     by_name |= {other.file.rpartition("/")[2]: other for other in by_name.values()}
     if not any(isinstance(node, Behavior) for node in walk_nodes(chart)):
         return chart
-    return Opened(by_name).inside(chart)
+
+    def inside(scope: Chart, depth: int) -> Chart:
+        return replace(scope, nodes=tuple(open_node(node, depth) for node in scope.nodes))
+
+    def open_node(node: AnyNode, depth: int) -> AnyNode:
+        if isinstance(node, Container):
+            return replace(node, body=inside(node.body, depth))
+        found = by_name.get(node.type) if isinstance(node, Behavior) else None
+        if found is None or depth >= _DEEPEST:
+            return node
+        body = replace(inside(found, depth + 1), name=node.id)
+        return Container(type="container", body=body, **_around(node))
+
+    return inside(chart, 0)
+
+
+def _around(node: AnyNode) -> dict[str, Any]:
+    """Return what is drawn of a node besides its type and content."""
+    names = ("id", "transitions", "attempts", "timeout_s", "on_error", "at")
+    return {name: getattr(node, name) for name in names}
 
 
 CLOSED = "states inside"  # with their number, the type of a container that is drawn closed
@@ -139,15 +123,7 @@ def _closed(node: AnyNode, path: Path) -> AnyNode:
     if path and node.id == path[0]:
         return replace(node, body=_closed_beside(node.body, path[1:]))
     count = sum(not isinstance(inner, Container) for inner in walk_nodes(node.body))
-    return State(
-        id=node.id,
-        type=f"{count} {CLOSED}",
-        transitions=node.transitions,
-        attempts=node.attempts,
-        timeout_s=node.timeout_s,
-        on_error=node.on_error,
-        at=node.at,
-    )
+    return State(type=f"{count} {CLOSED}", **_around(node))
 
 
 Json: TypeAlias = dict[str, Any]

@@ -6,7 +6,7 @@ A path is a tuple of the ids of the containers on the way; the empty one is the 
 from __future__ import annotations
 
 import posixpath
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 from flexbe_synthesizer.core.chart import names
@@ -54,27 +54,27 @@ def container_at(chart: Chart, path: Path) -> Chart:
     return chart
 
 
+def walk_paths(chart: Chart) -> Iterator[tuple[Path, AnyNode]]:
+    """Yield all nodes of a chart with their paths, each before what is in it."""
+    for node in chart.nodes:
+        yield (node.id,), node
+        if isinstance(node, Container):
+            yield from (((node.id, *path), inner) for path, inner in walk_paths(node.body))
+
+
 def node_paths(chart: Chart) -> tuple[Path, ...]:
     """Return the paths of all nodes of a chart, each before what is in it."""
-    paths: list[Path] = []
-    for node in chart.nodes:
-        paths.append((node.id,))
-        if isinstance(node, Container):
-            paths += [(node.id, *path) for path in node_paths(node.body)]
-    return tuple(paths)
+    return tuple(path for path, _ in walk_paths(chart))
 
 
 def matches(chart: Chart, word: str) -> tuple[Path, ...]:
     """Return the paths of the nodes that have a word in their id, type or a parameter."""
-    word = word.lower()
-    found = []
-    for path in node_paths(chart):
-        nodes = container_at(chart, path[:-1]).nodes
-        node = next(node for node in nodes if node.id == path[-1])
+
+    def has_word(node: AnyNode) -> bool:
         texts = (node.id, node.type, *(param.text for param in node.params))
-        if any(word in text.lower() for text in texts):
-            found.append(path)
-    return tuple(found)
+        return any(word.lower() in text.lower() for text in texts)
+
+    return tuple(path for path, node in walk_paths(chart) if has_word(node))
 
 
 def unplaced(scope: Chart) -> Chart:
@@ -142,7 +142,7 @@ def as_container(chart: Chart, node_id: str, initial: str, folder: str) -> Conta
         name=node_id,
         initial=initial or chart.initial,
         nodes=tuple(_moved(node, posixpath.dirname(chart.file), folder) for node in chart.nodes),
-        connections=tuple(_renamed(flow, chart.name, node_id) for flow in chart.connections),
+        connections=with_state_id(chart.connections, chart.name, node_id),
         description="",
         file="",
     )
@@ -163,13 +163,23 @@ def _moved(node: AnyNode, old: str, new: str) -> AnyNode:
     return node
 
 
-def _renamed(flow: Connection, old: str, new: str) -> Connection:
-    """Return a connection in which the chart around it has another name."""
-    return replace(
-        flow,
-        output_state_id=new if flow.output_state_id == old else flow.output_state_id,
-        input_state_id=new if flow.input_state_id == old else flow.input_state_id,
+def with_state_id(flows: Iterable[Connection], old: str, new: str) -> tuple[Connection, ...]:
+    """Return connections in which a state, or the chart around them, has another name."""
+    return tuple(
+        replace(
+            flow,
+            output_state_id=new if flow.output_state_id == old else flow.output_state_id,
+            input_state_id=new if flow.input_state_id == old else flow.input_state_id,
+        )
+        for flow in flows
     )
+
+
+def with_targets(node: AnyNode, follow: Callable[[str], str]) -> AnyNode:
+    """Return a node whose transitions and error routes lead to what a function makes of targets."""
+    transitions = tuple(replace(t, target=follow(t.target)) for t in node.transitions)
+    routes = tuple(replace(route, target=follow(route.target)) for route in node.on_error)
+    return replace(node, transitions=transitions, on_error=routes)
 
 
 def with_container(chart: Chart, container: Container) -> Chart:

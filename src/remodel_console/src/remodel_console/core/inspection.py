@@ -324,13 +324,11 @@ def _likely_targets(scope: Chart, node: AnyNode, event: str) -> Iterator[str]:
 
 
 def _without_transition(scope: Chart, node_id: str, place: int) -> Chart:
-    nodes = tuple(
-        replace(node, transitions=node.transitions[:place] + node.transitions[place + 1 :])
-        if node.id == node_id
-        else node
-        for node in scope.nodes
-    )
-    return replace(scope, nodes=nodes)
+    def put(node: AnyNode) -> AnyNode:
+        left = node.transitions[:place] + node.transitions[place + 1 :]
+        return replace(node, transitions=left)
+
+    return chart_edit.with_changed(scope, node_id, put)
 
 
 def _with_new_input(scope: Chart, name: str, kind: str) -> Chart:
