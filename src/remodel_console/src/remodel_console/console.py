@@ -23,7 +23,7 @@ from remodel_console.edge.order_drafts import OrderDraft, OrderDrafts
 from remodel_console.edge.processes import Everything
 from remodel_console.edge.users_file import UsersFile
 from remodel_console.edge.workspace import GENERATED, Catalogue, Workspace
-from remodel_console.errors import CommandError
+from remodel_console.errors import CommandError, expect_ros
 from remodel_console.live import Desk, Live, Steering
 from remodel_console.session import Session, Sessions
 from remodel_console.watched import Meshes, Pictures, RunValues, Scene, TopicPlots
@@ -243,9 +243,7 @@ class Console:
         Raises:
             CommandError: if there is no such field, or it is plotted already.
         """
-        if self.plots.source is None:
-            raise CommandError("ROS is not running; start it: roscore")
-        self.plots.source.check(plot)
+        expect_ros(self.plots.source).check(plot)
         try:
             self.settings.change(lambda now: replace(now, plots=(*now.plots, plot)))
         except ValueError as error:
@@ -272,9 +270,7 @@ class Console:
         Raises:
             CommandError: if ROS is not running, or the supervisor refuses.
         """
-        if self.supervisor is None:
-            raise CommandError("ROS is not running; start it: roscore")
-        return deed(self.supervisor)
+        return deed(expect_ros(self.supervisor))
 
     def role_of(self, user: User) -> Role:
         """Return what a user may do now."""
@@ -308,9 +304,7 @@ class Console:
         Raises:
             CommandError: if it does not, or does not answer.
         """
-        if self.recorder is None:
-            raise CommandError("ROS is not running; start it: roscore")
-        if name not in self.recorder.orders():
+        if name not in expect_ros(self.recorder).orders():
             raise CommandError(
                 f"the supervisor has no order '{name}': it works with another production database "
                 "than this console; start both with the same one"
@@ -354,12 +348,11 @@ class Console:
         Raises:
             CommandError: if the state no longer waits for it, or ROS is not running.
         """
-        if self.inputs is None:
-            raise CommandError("ROS is not running; start it: roscore")
+        inputs = expect_ros(self.inputs)
         if literal is None:
-            self.inputs.refuse(number)
+            inputs.refuse(number)
         else:
-            self.inputs.answer(number, literal)
+            inputs.answer(number, literal)
 
     def record(self, run: int) -> Record:
         """Return the record of a run, its states in terms of the charts that are saved here.

@@ -1,8 +1,25 @@
 """What can go wrong with a command."""
 
+from __future__ import annotations
+
+from typing import TypeVar
+
+T = TypeVar("T")
+
 
 class CommandError(Exception):
     """A command cannot be carried out; the message is the answer to its sender."""
+
+
+def expect_ros(part: T | None) -> T:
+    """Return a part that there is once ROS is running.
+
+    Raises:
+        CommandError: if it is None.
+    """
+    if part is None:
+        raise CommandError("ROS is not running; start it: roscore")
+    return part
 
 
 class ChartErrorsError(CommandError):

@@ -18,8 +18,8 @@ from remodel_console.core.running import (
     Decisions,
     LogLine,
     Order,
+    Plain,
     SetAutonomy,
-    ShowStructure,
     Start,
     Switch,
     TakeOutcome,
@@ -35,7 +35,7 @@ from remodel_console.core.world import (
 )
 from remodel_console.edge.kept_files import Journal, LogFile
 from remodel_console.edge.workspace import Catalogue
-from remodel_console.errors import CommandError
+from remodel_console.errors import CommandError, expect_ros
 from remodel_console.session import Session
 from remodel_run.progress import HandWire
 
@@ -93,9 +93,7 @@ class Live:
 
     def set_master(self, is_there: bool) -> None:
         """Set whether ROS is running."""
-        with self._lock:
-            self._world = replace(self._world, has_master=is_there)
-        self._wake()
+        self._change(has_master=is_there)
 
     def set_presence(
         self,
@@ -134,22 +132,20 @@ class Live:
 
     def set_inputs(self, inputs: tuple[InputRequest, ...]) -> None:
         """Set the values that states wait for."""
-        with self._lock:
-            self._world = replace(self._world, inputs=inputs)
-        self._wake()
+        self._change(inputs=inputs)
 
     def set_decisions(self, decisions: Decisions) -> None:
         """Set what an operator can decide in the running behavior."""
-        with self._lock:
-            self._world = replace(self._world, decisions=decisions)
-        self._wake()
+        self._change(decisions=decisions)
 
     def set_breakpoints(self, paths: frozenset[str]) -> None:
         """Set the states before whose end the engine asks."""
-        if paths == self._world.breakpoints:
-            return
+        if paths != self._world.breakpoints:
+            self._change(breakpoints=paths)
+
+    def _change(self, **changed: object) -> None:
         with self._lock:
-            self._world = replace(self._world, breakpoints=paths)
+            self._world = replace(self._world, **changed)  # type: ignore[arg-type]
         self._wake()
 
     def exported_log(self) -> str:
@@ -272,7 +268,7 @@ class Steering:
                 self.order(Attach(run.level))
             self._joined = run.behavior_id
             if not run.has_structure and self._structure_asked != run.behavior_id:
-                self.order(ShowStructure())
+                self.order(Plain.SHOW_STRUCTURE)
                 self._structure_asked = run.behavior_id
 
     def order(self, order: Order) -> None:
@@ -281,8 +277,7 @@ class Steering:
         Raises:
             CommandError: if it cannot be sent.
         """
-        if self.engine is None:
-            raise CommandError("ROS is not running; start it: roscore")
+        engine = expect_ros(self.engine)
         if isinstance(order, Start | Switch):
             self.live.take(Ordered(order.level, order.source_checksum))
         elif isinstance(order, Attach | SetAutonomy):
@@ -292,7 +287,7 @@ class Steering:
             asking = [a for a in self.live.world.run.asks if a.path.rpartition("/")[2] == label]
             order = replace(order, is_by_path=len(asking) > 1)
         try:
-            self.engine.send(order)
+            engine.send(order)
         except CommandError:
             if isinstance(order, Start):
                 self.live.take(Ordered(None))  # nothing starts
@@ -306,10 +301,8 @@ class Steering:
         Raises:
             CommandError: if ROS is not running.
         """
-        if self.engine is None:
-            raise CommandError("ROS is not running; start it: roscore")
         paths = (self.live.world.breakpoints - removed) | added
-        self.engine.set_breakpoints(paths)
+        expect_ros(self.engine).set_breakpoints(paths)
         self.live.set_breakpoints(paths)
 
     def attach(self, level: int) -> None:

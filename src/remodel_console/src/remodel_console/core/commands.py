@@ -17,7 +17,6 @@ from __future__ import annotations
 import ast
 import hmac
 import ipaddress
-import json
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -270,30 +269,6 @@ def help_lines() -> str:
     """Return the list of all commands."""
     width = max(len(verb.usage) for verb in Verb)
     return "\n".join(f"{verb.usage:{width}}  {verb.help_text}" for verb in Verb)
-
-
-@dataclass(frozen=True)
-class Entry:
-    """One command: when it was given (ISO 8601, UTC), by whom, and its answer."""
-
-    time: str
-    actor: Actor
-    answer: CommandResult
-
-    def line(self) -> str:
-        """Return the line of the record, without its end."""
-        return json.dumps(
-            {
-                "time": self.time,
-                "who": self.actor.name,
-                "from": self.actor.address,
-                "role": self.actor.role.value,
-                "command": self.answer.command,
-                "state": self.answer.state,
-                "answer": self.answer.words,
-            },
-            ensure_ascii=False,
-        )
 
 
 def is_allowed(given: str, wanted: str) -> bool:

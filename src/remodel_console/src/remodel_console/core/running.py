@@ -9,16 +9,17 @@ as `run` and a timer beside it. An operator drew none of them.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import Enum, auto
 from functools import cached_property
 from typing import TypeAlias
 
-from flexbe_synthesizer.core.chart.model import Chart, Container, State
+from flexbe_synthesizer.core.chart.model import Chart, State
 from flexbe_synthesizer.core.chart.names import EXHAUSTED, FAILED, TIMED_OUT
 from flexbe_synthesizer.core.machine.lower import OTHER, RUN, TIMER, chooser_label, counter_label
 from remodel_console.core.drawing import drawn_path, drawn_paths
+from remodel_console.core.editing import walk_paths
 
 
 @dataclass(frozen=True)
@@ -225,26 +226,18 @@ class Decisions:
 
 def decisions_of(chart: Chart, behavior_id: int) -> Decisions:
     """Return the decisions in a chart, in its containers too."""
-    return Decisions(behavior_id, dict(_found(chart, "")), drawn_paths(chart))
-
-
-def _found(chart: Chart, prefix: str) -> Iterator[tuple[str, Decision]]:
-    for node in chart.nodes:
-        path = f"{prefix}{node.id}"
-        if isinstance(node, Container):
-            yield from _found(node.body, f"{path}/")
-        elif isinstance(node, State) and node.type.rpartition(".")[2] == _CLASS:
-            given = {param.name: param.value for param in node.params}
-            outcomes = given.get("outcomes")
-            if isinstance(outcomes, tuple):
-                yield (
-                    path,
-                    Decision(
-                        tuple(map(str, outcomes)),
-                        str(given.get("hint") or ""),
-                        str(given.get("suggestion") or ""),
-                    ),
-                )
+    found = {}
+    for path, node in walk_paths(chart):
+        given = {param.name: param.value for param in node.params}
+        outcomes = given.get("outcomes")
+        is_decision = isinstance(node, State) and node.type.rpartition(".")[2] == _CLASS
+        if is_decision and isinstance(outcomes, tuple):
+            found["/".join(path)] = Decision(
+                tuple(map(str, outcomes)),
+                str(given.get("hint") or ""),
+                str(given.get("suggestion") or ""),
+            )
+    return Decisions(behavior_id, found, drawn_paths(chart))
 
 
 # What an operator can order the engine to do, and the lines of its log
@@ -368,60 +361,20 @@ class Release:
         return f"unlock {self.path}".rstrip()
 
 
-@dataclass(frozen=True)
-class Pause:
-    """Execute the active state no further."""
+class Plain(Enum):
+    """An order that says all by its name; the values are for the record."""
+
+    PAUSE = "pause"  # execute the active state no further
+    RESUME = "resume"  # and again
+    REPEAT = "repeat"  # leave the active state and enter it again
+    PREEMPT = "stop"  # the behavior
+    SHOW_STRUCTURE = "show structure"  # publish the states and their outcomes
 
     def __str__(self) -> str:
-        return "pause"
+        return self.value
 
 
-@dataclass(frozen=True)
-class Resume:
-    """Execute the active state again."""
-
-    def __str__(self) -> str:
-        return "resume"
-
-
-@dataclass(frozen=True)
-class Repeat:
-    """Leave the active state and enter it again."""
-
-    def __str__(self) -> str:
-        return "repeat"
-
-
-@dataclass(frozen=True)
-class Preempt:
-    """Stop the behavior."""
-
-    def __str__(self) -> str:
-        return "stop"
-
-
-@dataclass(frozen=True)
-class ShowStructure:
-    """Publish the states and their outcomes."""
-
-    def __str__(self) -> str:
-        return "show structure"
-
-
-Order: TypeAlias = (
-    Start
-    | Switch
-    | Attach
-    | SetAutonomy
-    | TakeOutcome
-    | Hold
-    | Release
-    | Pause
-    | Resume
-    | Repeat
-    | Preempt
-    | ShowStructure
-)
+Order: TypeAlias = Start | Switch | Attach | SetAutonomy | TakeOutcome | Hold | Release | Plain
 
 
 _SEVERITIES = {0: "info", 1: "warning", 2: "hint", 3: "error", 10: "debug"}

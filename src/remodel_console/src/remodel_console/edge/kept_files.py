@@ -21,7 +21,7 @@ import numpy as np
 
 from flexbe_synthesizer.edge.package_path import find_packages
 from remodel_console.core.cell import Recording
-from remodel_console.core.commands import Actor, CommandResult, Entry
+from remodel_console.core.commands import Actor, CommandResult
 from remodel_console.core.running import LogLine
 from remodel_console.core.settings import Settings, read_settings, write_settings
 from remodel_console.errors import CommandError, PictureError
@@ -68,8 +68,16 @@ class Journal:
 
     def write(self, actor: Actor, answer: CommandResult) -> None:
         """Record a command and its answer; on a full disk, say so: the command is done already."""
-        now = datetime.now(UTC).isoformat(timespec="milliseconds")
-        line = Entry(now, actor, answer).line()
+        entry = {
+            "time": datetime.now(UTC).isoformat(timespec="milliseconds"),
+            "who": actor.name,
+            "from": actor.address,
+            "role": actor.role.value,
+            "command": answer.command,
+            "state": answer.state,
+            "answer": answer.words,
+        }
+        line = json.dumps(entry, ensure_ascii=False)
         try:
             with self._lock, self.path.open("a", encoding="utf-8") as file:
                 file.write(f"{line}\n")

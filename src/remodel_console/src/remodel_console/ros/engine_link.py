@@ -194,13 +194,13 @@ def _messages(order: running.Order) -> tuple[tuple[str, Message], ...]:
             return ((topics.LOCK, String(path)),)
         case running.Release(path):
             return ((topics.UNLOCK, String(path)),)
-        case running.Pause() | running.Resume():
-            return ((topics.PAUSE, Bool(isinstance(order, running.Pause))),)
-        case running.Repeat():
+        case running.Plain.PAUSE | running.Plain.RESUME:
+            return ((topics.PAUSE, Bool(order is running.Plain.PAUSE)),)
+        case running.Plain.REPEAT:
             return ((topics.REPEAT, Empty()),)
-        case running.ShowStructure():
+        case running.Plain.SHOW_STRUCTURE:
             return ((topics.SHOW_STRUCTURE, Int32(0)),)
-        case running.Preempt():
+        case running.Plain.PREEMPT:
             return ((topics.PREEMPT, Empty()),)
 
 

@@ -16,11 +16,8 @@ from remodel_console.core.running import (
     Hold,
     Order,
     Pairs,
-    Pause,
-    Preempt,
+    Plain,
     Release,
-    Repeat,
-    Resume,
     SetAutonomy,
     Start,
     Switch,
@@ -246,10 +243,10 @@ class RunPanel:
             self._control("Step mode", self.other_mode(view), "skip_next")
         with ui.row().classes("controls"):
             if view.is_paused:
-                self._control("Continue", Resume(), "play_arrow")
+                self._control("Continue", Plain.RESUME, "play_arrow")
             else:
-                self._control("Pause", Pause(), "pause")
-            self._control("Repeat", Repeat(), "replay")
+                self._control("Pause", Plain.PAUSE, "pause")
+            self._control("Repeat", Plain.REPEAT, "replay")
             if view.held is not None:
                 self._control("Unlock", Release(view.held), "lock_open")
             else:
@@ -315,7 +312,7 @@ class RunPanel:
         self._page.ask(
             "Stop the behavior and cancel its goals?",
             "Stop",
-            partial(self._order, Preempt()),
+            partial(self._order, Plain.PREEMPT),
         )
 
 

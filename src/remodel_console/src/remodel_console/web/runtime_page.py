@@ -17,10 +17,8 @@ from remodel_console.core.running import (
     Hold,
     LogLine,
     Order,
-    Pause,
+    Plain,
     Release,
-    Repeat,
-    Resume,
     Switch,
 )
 from remodel_console.core.world import Kind, World
@@ -367,8 +365,8 @@ class RuntimePage(Page):
         if not view.is_supervised or not self.is_operator:
             return
         orders: dict[str, Order] = {
-            "p": Resume() if view.is_paused else Pause(),
-            "r": Repeat(),
+            "p": Plain.RESUME if view.is_paused else Plain.PAUSE,
+            "r": Plain.REPEAT,
             "l": Hold(view.active) if view.held is None else Release(view.held),
             "s": self._panel.other_mode(view),
         }
