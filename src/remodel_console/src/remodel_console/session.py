@@ -6,6 +6,7 @@ import secrets
 import threading
 import time
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import PurePath
 
@@ -31,6 +32,7 @@ from remodel_console.edge.workspace import Workspace
 from remodel_console.errors import ChartErrorsError, CommandError
 
 _MOST_UNDONE = 200  # changes that can be taken back
+Drafts = tuple[Draft, ...]
 START = "start"  # what the deliverable's command line writes for "where the chart itself starts"
 
 
@@ -70,8 +72,8 @@ class Session:
         self.is_saved = True
         self.changed_at_s = time.time()
         self._kept_text: str | None = None
-        self._before: tuple[Draft, ...] = ()
-        self._undone: tuple[Draft, ...] = ()
+        self._before: Drafts = ()
+        self._undone: Drafts = ()
         self.on_change: Callable[[], None] = lambda: None
         self.on_save: Callable[[], None] = lambda: None
         self._deeds: Mapping[Verb, Callable[[Mapping[str, str]], str]] = {
@@ -127,17 +129,15 @@ class Session:
         Raises:
             CommandError: if neither is possible; then nothing has changed.
         """
-        with self._lock:
+        with self._changing():
             try:
-                answer = self._save({})
+                return self._save({})
             except ChartErrorsError as error:
                 draft = self._drafted()
                 file = self._workspace.keep(draft)
                 self._kept_text = draft.text
                 errors = f"{error.count} error{'s' * (error.count > 1)}"
-                answer = f"kept '{draft.chart.name}' as a draft, which has {errors}: {file}"
-        self.on_change()
-        return answer
+                return f"kept '{draft.chart.name}' as a draft, which has {errors}: {file}"
 
     def carry_out(self, command: Command) -> str:
         """Carry a command out and return the answer.
@@ -148,10 +148,11 @@ class Session:
         given = command.given
         if command.verb is Verb.SYNTHESIZE:
             return self.synthesize(self._path, given["name"], given["initial"], given["goal"])
-        with self._lock:
-            answer = self._carry_out(command)
-        self.on_change()
-        return answer
+        deed = self._deeds.get(command.verb)
+        if deed is None:
+            raise CommandError(f"'{command.text}' {command.verb.help_text}")
+        with self._changing():
+            return deed(given)
 
     def change(self, change: Callable[[Chart], Chart]) -> None:
         """Change the chart that is edited.
@@ -159,9 +160,8 @@ class Session:
         Raises:
             CommandError: if nothing is loaded, or the change cannot be made.
         """
-        with self._lock:
+        with self._changing():
             self._change(change(self._loaded()))
-        self.on_change()
 
     def retype(self, text: str) -> None:
         """Take a text that was typed in place of that of the chart.
@@ -169,9 +169,8 @@ class Session:
         Raises:
             CommandError: if nothing is loaded, or the text does not have the form of a chart.
         """
-        with self._lock:
+        with self._changing():
             self._take(self._drafted().retyped(text))
-        self.on_change()
 
     def undo(self) -> str:
         """Undo the last change, and return the answer.
@@ -179,16 +178,11 @@ class Session:
         Raises:
             CommandError: if there is none.
         """
-        with self._lock:
+        with self._changing():
             if not self._before:
                 raise CommandError("there is nothing to undo")
-            *before, last = self._before
-            now = self._drafted()
-            self._draft = replace(last, origin=now.origin)
-            self._before, self._undone = tuple(before), (*self._undone, now)
-            self.is_saved = self._is_as_saved()
-        self.on_change()
-        return "undid the last change"
+            self._before, self._undone = self._stepped(self._before, self._undone)
+            return "undid the last change"
 
     def redo(self) -> str:
         """Redo the change that was undone last, and return the answer.
@@ -196,24 +190,28 @@ class Session:
         Raises:
             CommandError: if there is none.
         """
-        with self._lock:
+        with self._changing():
             if not self._undone:
                 raise CommandError("there is nothing to redo")
-            *undone, last = self._undone
-            now = self._drafted()
-            self._draft = replace(last, origin=now.origin)
-            self._before, self._undone = (*self._before, now), tuple(undone)
-            self.is_saved = self._is_as_saved()
-        self.on_change()
-        return "redid the last undone change"
+            self._undone, self._before = self._stepped(self._undone, self._before)
+            return "redid the last undone change"
+
+    def _stepped(self, back: Drafts, forth: Drafts) -> tuple[Drafts, Drafts]:
+        """Edit the last draft of one pile; return the piles, with the present draft on the other.
+
+        The file stays as it was loaded or saved last.
+        """
+        now = self._drafted()
+        self._draft = replace(back[-1], origin=now.origin)
+        self.is_saved = self._is_as_saved()
+        return back[:-1], (*forth, now)
 
     def open(self, chart: Chart) -> None:
         """Edit a chart that is new."""
         draft = new_draft(chart)
-        with self._lock:
+        with self._changing():
             self._begin(draft)
             self.is_saved = False
-        self.on_change()
 
     def copy_as(self, name: str) -> str:
         """Edit a copy of the chart under another name, and return the answer.
@@ -223,7 +221,7 @@ class Session:
         Raises:
             CommandError: if nothing is loaded, or the name is taken.
         """
-        with self._lock:
+        with self._changing():
             draft = self._drafted()
             file = str(PurePath(draft.chart.file).parent / f"{behavior_file(name)}.xml")
             if name in self._workspace.names() or self._workspace.has_file(file):
@@ -231,8 +229,7 @@ class Session:
             copy = draft.changed(with_name(draft.chart, name))
             self._begin(Draft(replace(copy.chart, file=file), copy.text))
             self.is_saved = False
-        self.on_change()
-        return f"'{name}' is a copy of '{draft.chart.name}'"
+            return f"'{name}' is a copy of '{draft.chart.name}'"
 
     def synthesize(self, path: tuple[str, ...], name: str, initial: str, goal: str) -> str:
         """Add the chart of a file as a container, and return the answer.
@@ -248,18 +245,17 @@ class Session:
         """
         file = self._loaded().file
         container = self._container(path, name, initial, goal)
-        with self._lock:
+        with self._changing():
             if self._loaded().file != file:
                 raise CommandError(f"{goal} is not added: another behavior was loaded meanwhile")
-            answer = self._put(path, container, goal)
-        self.on_change()
-        return answer
+            return self._put(path, container, goal)
 
-    def _carry_out(self, command: Command) -> str:
-        deed = self._deeds.get(command.verb)
-        if deed is None:
-            raise CommandError(f"'{command.text}' {command.verb.help_text}")
-        return deed(command.given)
+    @contextmanager
+    def _changing(self) -> Iterator[None]:
+        """Hold other threads back meanwhile; what is raised inside is no change."""
+        with self._lock:
+            yield
+        self.on_change()
 
     def _drafted(self) -> Draft:
         if self._draft is None:
