@@ -32,6 +32,20 @@ class Watched:
             self._viewers += change
 
 
+class Viewer:
+    """One who watches, or just now does not."""
+
+    def __init__(self, watched: Watched) -> None:
+        self._watched = watched
+        self._is_counted = False
+
+    def watch(self, is_watching: bool) -> None:
+        """Begin to watch, or cease to."""
+        if is_watching != self._is_counted:
+            self._is_counted = is_watching
+            self._watched.add_viewer(1 if is_watching else -1)
+
+
 @dataclass(frozen=True)
 class Picture:
     """A picture as JPEG; `number` counts those of its camera."""

@@ -9,11 +9,11 @@ from functools import partial
 
 from nicegui import ui
 from nicegui.element import Element
-from nicegui.events import GenericEventArguments
 
 from remodel_console.core.commands import User, as_literal, tidy_name, value_words
 from remodel_console.core.use_case import duration_words
 from remodel_console.core.world import Card, Kind, Notice, Option, Part, World, notices
+from remodel_console.web.elements import icon_button, text_in
 from remodel_console.web.guard import LEAVE
 
 
@@ -40,11 +40,7 @@ class Attention(Element, component="static/attention.js"):
         self._props["sound"] = sound
         self._props["waiting"] = []
         self._shown: tuple[Card, ...] = ()
-
-        def changed(event: GenericEventArguments) -> None:
-            on_hidden(bool(event.args))
-
-        self.on("hidden", changed)
+        self.on("hidden", lambda event: on_hidden(bool(event.args)))
 
     def show(self, cards: tuple[Card, ...]) -> None:
         """Show what waits."""
@@ -66,7 +62,6 @@ NOTIFY_COOKIE = "remodel_notify"
 SOUND_COOKIE = "remodel_sound"
 KEYS_COOKIE = "remodel_keys"
 _YEAR_S = 365 * 24 * 3600
-_DEEDS = {True: "dark", False: "light"}
 
 PAGES = (
     ("Overview", "/overview"),
@@ -147,11 +142,11 @@ class Bar:
             else:
                 ui.label(f"{user.name}, {user.role.value}").classes("user")
                 if signs_in:
-                    _icon("logout", "Sign out", lambda: ui.navigate.to(LEAVE))
-            _icon("notifications", "Notifications", self._ask_notifications)
-            self._layout = _icon("dashboard_customize", "Layout", on_layout)
-            _icon("contrast", "Dark or light", self._toggle_dark)
-            _icon("keyboard", "Keys (?)", self.show_keys)
+                    icon_button("logout", "Sign out", lambda: ui.navigate.to(LEAVE))
+            icon_button("notifications", "Notifications", self._ask_notifications)
+            self._layout = icon_button("dashboard_customize", "Layout", on_layout)
+            icon_button("contrast", "Dark or light", self._toggle_dark)
+            icon_button("keyboard", "Keys (?)", self.show_keys)
 
     @property
     def is_dark(self) -> bool:
@@ -176,10 +171,8 @@ class Bar:
             single.on_value_change(lambda: self._set_single_keys(bool(single.value)))
             with ui.element("dl").classes("keys"):
                 for key, meaning in (*self._keys, *canvas, *pages, ("?", "this list")):
-                    with ui.element("dt"):
-                        ui.label(key)
-                    with ui.element("dd"):
-                        ui.label(meaning)
+                    text_in("dt", key)
+                    text_in("dd", meaning)
 
     def _set_single_keys(self, on: bool) -> None:
         self.has_single_keys = on
@@ -187,7 +180,7 @@ class Bar:
 
     def _toggle_dark(self) -> None:
         self._dark.value = not self._dark.value
-        set_cookie(DARK_COOKIE, _DEEDS[bool(self._dark.value)])
+        set_cookie(DARK_COOKIE, "dark" if self._dark.value else "light")
 
     def _ask_name(self) -> None:
         with self._dialog("Operator") as dialog:
@@ -218,11 +211,6 @@ class Bar:
 
             notify.on_value_change(take)
             sound.on_value_change(take)
-
-
-def _icon(icon: str, title: str, deed: Callable[[], None]) -> ui.button:
-    button = ui.button(icon=icon, on_click=deed, color=None)
-    return button.props(f'flat dense round title="{title}" aria-label="{title}"')
 
 
 def set_cookie(name: str, value: str) -> None:

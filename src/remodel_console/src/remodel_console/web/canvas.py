@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterable, Sequence
-from typing import NamedTuple, Protocol, TypeAlias
+from typing import NamedTuple
 
 from nicegui import run, ui
 from nicegui.element import Element
@@ -23,32 +23,8 @@ from remodel_console.core.drawing import (
 from remodel_console.core.editing import Path
 from remodel_console.errors import CommandError
 
-Places: TypeAlias = dict[str, list[int]]
-
-
-class Picker(Protocol):
-    """Takes what a person clicks in a drawing."""
-
-    def pick(self, paths: tuple[str, ...]) -> None:
-        """Select the states of these paths; none: the chart."""
-
-
-class Editor(Picker, Protocol):
-    """Takes what a person does in a drawing."""
-
-    async def connect(self, path: str, event: str, target: str) -> None:
-        """Lead an outcome of a state to a target beside it."""
-
-    async def move(self, scope: str, states: Places, outcomes: Places) -> None:
-        """Keep where what is in a container was put, by name."""
-
-    async def drop(self, what: str, scope: str, at: list[int] | None) -> None:
-        """Add an entry of the library to a container; at a place, if what is in it has places."""
-
-
-_LOST_S = (
-    2.0  # after which a page that has not painted, or cannot report it, is sent the change again
-)
+# [s] After which a page that has not painted, or cannot report it, is sent the change again.
+_LOST_S = 2.0
 
 
 class _Lit(NamedTuple):
@@ -60,37 +36,37 @@ class _Lit(NamedTuple):
 
 
 class Canvas(Element, component="static/canvas.js"):
-    """Shows a graph of `core.editor.graph`."""
+    """Shows a graph of `core.drawing`.
+
+    Where it can be edited, it emits `moved`, `connect` and `dropped`.
+    """
 
     def __init__(
         self,
         label: str,
-        picker: Picker | None = None,
-        editor: Editor | None = None,
+        pick: Callable[[tuple[str, ...]], None] | None = None,
+        *,
+        is_editable: bool = False,
     ) -> None:
         """Show nothing yet.
 
         Args:
             label: what the drawing is.
-            picker: takes what a person clicks in the drawing.
-            editor: takes what is moved, connected and dropped; None: nothing can be.
+            pick: gets the paths of the states that a person clicks; none: the chart.
+            is_editable: states can be moved, connected and dropped.
         """
         super().__init__()
         self._props["label"] = label
-        self._props["editable"] = editor is not None
+        self._props["editable"] = is_editable
         self._marked: dict[str, list[str]] = {}
         self._wanted = self._sent = _Lit()
         self._sent_s: float | None = None  # None once the page has painted what was sent
         self.classes("canvas")
         self.on("painted", self._on_painted)
         self._picks = 0  # of the page, as far as they have arrived
-        if picker is not None:
-            self._picker = picker
+        if pick is not None:
+            self._pick = pick
             self.on("pick", self._on_pick)
-        if editor is not None:
-            self.on("connect", lambda event: editor.connect(**event.args))
-            self.on("moved", lambda event: editor.move(**event.args))
-            self.on("dropped", lambda event: editor.drop(**event.args))
 
     def draw(self, graph: Json, *, keeps_view: bool = False) -> None:
         """Show another graph."""
@@ -121,7 +97,7 @@ class Canvas(Element, component="static/canvas.js"):
 
     def _on_pick(self, event: GenericEventArguments) -> None:
         self._picks = int(event.args["number"])
-        self._picker.pick(tuple(map(str, event.args["paths"])))
+        self._pick(tuple(map(str, event.args["paths"])))
 
     def select(self, paths: Sequence[str]) -> None:
         """Mark what is being edited, unless a later pick of the page is under way."""
@@ -172,7 +148,8 @@ class BehaviorDrawing:
         self.name: str | None = None
         self._console = console
         self._nothing = nothing
-        self._canvas = Canvas(label, _Picker(on_pick) if on_pick else None)
+        pick = (lambda paths: on_pick(paths[0] if paths else "")) if on_pick else None
+        self._canvas = Canvas(label, pick)
         self._empty = ui.label(nothing).classes("empty")
         self._chart: Chart | None = None
         self._paths: frozenset[str] = frozenset()  # of all that could be drawn
@@ -277,13 +254,3 @@ class BehaviorDrawing:
     def _active_container(self) -> Path:
         """Return the container that the active state lies in."""
         return tuple(drawn_path(self._active, self._paths).split("/"))[:-1]
-
-
-class _Picker:
-    """Takes what is clicked in a drawing that is not edited."""
-
-    def __init__(self, on_pick: Callable[[str], None]) -> None:
-        self._on_pick = on_pick
-
-    def pick(self, paths: tuple[str, ...]) -> None:
-        self._on_pick(paths[0] if paths else "")

@@ -15,7 +15,7 @@ from remodel_console.core.cell import CellState, RobotModel, Shape
 from remodel_console.core.record import Record, force_words, wire_words
 from remodel_console.core.use_case import UseCase
 from remodel_console.errors import CommandError
-from remodel_console.watched import Meshes, Scene
+from remodel_console.watched import Meshes, Scene, Viewer
 
 
 class CameraView(Element, component="static/camera.js"):
@@ -57,7 +57,7 @@ class CellView:
         self._sent = CellState()
         self._sent_s: float | None = None  # None once the page has painted what was sent
         self._can_draw = True
-        self._is_counted = False
+        self._viewer = Viewer(scene)
         self._drawing = _Drawing()
         self._drawing.on("pick", lambda event: on_pick(_text(event)))
         self._drawing.on("painted", self._on_painted)
@@ -76,10 +76,8 @@ class CellView:
 
     def set_shown(self, is_shown: bool) -> None:
         """Stop while the page is in the background, and go on."""
-        if is_shown != self._is_counted:
-            self._is_counted = is_shown
-            self._scene.add_viewer(1 if is_shown else -1)
-            self._timer.active = is_shown
+        self._viewer.watch(is_shown)
+        self._timer.active = is_shown
 
     def _on_ready(self) -> None:
         """Send all again, to a browser that draws nothing yet."""

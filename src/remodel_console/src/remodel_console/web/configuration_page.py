@@ -11,7 +11,8 @@ from nicegui.elements.mixins.value_element import ValueElement
 from remodel_console.core.commands import DONE, Role
 from remodel_console.core.settings import Settings, difference
 from remodel_console.core.world import World
-from remodel_console.web.page import Page, card
+from remodel_console.web.elements import card, text_in
+from remodel_console.web.page import Page
 
 
 class ConfigurationPage(Page):
@@ -61,8 +62,7 @@ class ConfigurationPage(Page):
         with self._always:
             for folder, words in self.console.workspace.folder_words():
                 if str(folder) not in added:
-                    with ui.element("li"):
-                        ui.label(words).tooltip(str(folder))
+                    text_in("li", words).tooltip(str(folder))
 
     def _box(self, label: str, name: str) -> None:
         box = ui.checkbox(label, value=getattr(self.console.settings.now, name))

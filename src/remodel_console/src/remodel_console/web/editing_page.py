@@ -13,7 +13,6 @@ from pathlib import PurePath
 from nicegui import run, ui
 
 from flexbe_synthesizer.core.chart.model import Chart
-from flexbe_synthesizer.core.chart.problem import Problem, Severity
 from remodel_console.core import chart_edit
 from remodel_console.core.commands import DONE, Role
 from remodel_console.core.copying import Copied, outermost
@@ -29,6 +28,7 @@ from remodel_console.core.inspection import (
 from remodel_console.errors import CommandError
 from remodel_console.session import Session, Sessions
 from remodel_console.web.page import Page
+from remodel_run.whole_task import counted
 
 
 def show_refusal(goal: str, text: str, words: str, close: Callable[[], None]) -> None:
@@ -343,7 +343,7 @@ class ProblemList:
         self._area.clear()
         with self._area:
             count = inspection.error_count
-            words = "No errors." if not count else f"{count} error{'s' * (count > 1)}"
+            words = counted(count, "error") if count else "No errors."
             if inspection.unchecked:
                 words = f"Not checked: {inspection.unchecked}"
             is_fine = not count and not inspection.unchecked
@@ -357,11 +357,14 @@ class ProblemList:
 
     def _line(self, one: Found, own: str) -> None:
         """Add a problem: a button that shows its line, and one for each change that corrects it."""
-        _problem_line(one.problem, own, partial(self._show, one))
-        if one.fixes:
-            with ui.row().classes("fixes"):
-                for fix in one.fixes:
-                    self._page.button(fix.words, partial(self._page.fix, fix), look="quiet")
+        problem = one.problem
+        file, line, _ = problem.position
+        where = f"line {line}" if file == own else f"{PurePath(file).name}, line {line}"
+        button = ui.element("button").classes(f"problem {problem.code.severity.value}")
+        with button.on("click", partial(self._show, one, line)):
+            ui.label(where).classes("place")
+            ui.label(problem.message)
+        show_fixes(self._page, one)
 
     def _show(self, one: Found, line: int) -> None:
         if one.path:
@@ -369,11 +372,9 @@ class ProblemList:
         self._reveal(line)
 
 
-def _problem_line(problem: Problem, own: str, reveal: Reveal) -> None:
-    """Add a problem as a button."""
-    file, line, _ = problem.position
-    where = f"line {line}" if file == own else f"{PurePath(file).name}, line {line}"
-    style = "warning" if problem.code.severity is Severity.WARNING else "error"
-    with ui.element("button").classes(f"problem {style}").on("click", lambda: reveal(line)):
-        ui.label(where).classes("place")
-        ui.label(problem.message)
+def show_fixes(page: EditingPage, found: Found) -> None:
+    """Add a button for each change that corrects a problem."""
+    if found.fixes:
+        with ui.row().classes("fixes"):
+            for fix in found.fixes:
+                page.button(fix.words, partial(page.fix, fix), look="quiet")

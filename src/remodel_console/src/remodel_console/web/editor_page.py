@@ -20,7 +20,7 @@ from remodel_console.core.editing import Path, container_at, node_paths, read_pa
 from remodel_console.core.inspection import counts, located
 from remodel_console.core.world import World
 from remodel_console.edge.workspace import GENERATED, inspect_text
-from remodel_console.web.canvas import Canvas, Places
+from remodel_console.web.canvas import Canvas
 from remodel_console.web.editing_page import (
     CertificatePanel,
     ChangesPanel,
@@ -77,13 +77,25 @@ def _names(what: Copied) -> str:
 Add: TypeAlias = Callable[[str, Path, Point | None], Awaitable[None]]
 
 
+Places: TypeAlias = dict[str, list[int]]
+
+
 class DrawingEditor:
-    """Takes what the drawing reports."""
+    """Takes what the drawing reports.
+
+    Attributes:
+        canvas: the drawing.
+    """
 
     def __init__(self, page: EditingPage, add: Add) -> None:
         """Change the chart of a page; `add` adds an entry of the library to a container."""
         self._page = page
         self._add = add
+        self.canvas = Canvas("Edited state machine", self.pick, is_editable=page.is_operator)
+        if page.is_operator:
+            self.canvas.on("connect", lambda event: self.connect(**event.args))
+            self.canvas.on("moved", lambda event: self.move(**event.args))
+            self.canvas.on("dropped", lambda event: self.drop(**event.args))
 
     def pick(self, paths: tuple[str, ...]) -> None:
         """Select what was clicked; a start or an end selects what is around it."""
@@ -276,9 +288,7 @@ class EditorPage(EditingPage):
             self._tools = EditorTools(self)
             self._library = LibraryPanel(self)
             with ui.element("section").classes("stage"):
-                editor = DrawingEditor(self, self._library.add)
-                may_edit = editor if self.is_operator else None
-                self._canvas = Canvas("Edited state machine", editor, may_edit)
+                self._canvas = DrawingEditor(self, self._library.add).canvas
                 self._empty = ui.label("Open a behavior, or create a new one.").classes("empty")
             with ui.element("aside").classes("panel side"):
                 with ui.tabs().props("no-caps dense align=left").classes("wide") as tabs:

@@ -11,7 +11,7 @@ from nicegui import run, ui
 from flexbe_synthesizer.core.chart.model import Chart
 from flexbe_synthesizer.core.chart.names import behavior_file, is_behavior_name, is_name
 from remodel_console.core import chart_edit
-from remodel_console.core.commands import DONE, FAILED, Command, Verb
+from remodel_console.core.commands import DONE, FAILED
 from remodel_console.core.copying import grouped, outermost
 from remodel_console.core.editing import Path, connected, container_at, matches, unplaced
 from remodel_console.errors import FileChangedError
@@ -128,7 +128,6 @@ class EditorTools:
         page, chart = self._page, self._page.session.chart
         if chart is None:
             return
-        command = Command(f"load {chart.name}", Verb.LOAD, {"name": chart.name})
         with page.dialog("Save") as dialog:
             ui.label(f"'{chart.name}' is not saved").classes("title")
             ui.label(words)
@@ -139,7 +138,7 @@ class EditorTools:
 
             async def load() -> None:
                 dialog.close()
-                await page.give(command.text, lambda: page.session.carry_out(command))
+                await page.load_into(page.session, chart.name)
 
             def copy() -> None:
                 dialog.close()
@@ -160,11 +159,9 @@ class EditorTools:
             await self.save()
         if session.is_saved:
             name, shared = session.chart.name, page.console.session
-            command = Command(f"load {name}", Verb.LOAD, {"name": name})
 
             async def show() -> None:
-                answer = await page.give(command.text, lambda: shared.carry_out(command))
-                if answer.state == DONE:
+                if (await page.load_into(shared, name)).state == DONE:
                     page.go_to("/runtime")
 
             if shared.is_saved or shared.chart is None:

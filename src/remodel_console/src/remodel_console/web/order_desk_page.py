@@ -8,7 +8,6 @@ from functools import partial
 
 from nicegui import run, ui
 from nicegui.element import Element
-from nicegui.events import GenericEventArguments
 from starlette.requests import Request
 from starlette.responses import PlainTextResponse, Response
 
@@ -17,6 +16,7 @@ from remodel_console.core.order_desk import Document
 from remodel_console.core.world import ALL_PARTS, World
 from remodel_console.edge.order_drafts import LISTS, DraftState, OrderDraft, OrderDrafts
 from remodel_console.errors import CommandError
+from remodel_console.web.elements import card, icon_button, unfolding
 from remodel_console.web.guard import user_of
 from remodel_console.web.order_panels import (
     ColumnsPanel,
@@ -27,9 +27,10 @@ from remodel_console.web.order_panels import (
     show_plan,
     show_triage,
 )
-from remodel_console.web.page import Page, card
+from remodel_console.web.page import Page
 from remodel_console.web.preferences_panel import PreferencesPanel
 from remodel_run.findings import CellFit, Triage
+from remodel_run.whole_task import counted
 
 
 class DropZone(Element, component="static/drop_zone.js"):
@@ -57,15 +58,8 @@ class DropZone(Element, component="static/drop_zone.js"):
         self._props["address"] = address
         self._props["words"] = words
         self._props["enabled"] = is_enabled
-
-        async def on_sent(event: GenericEventArguments) -> None:
-            await sent(str(event.args))
-
-        def on_refused(event: GenericEventArguments) -> None:
-            refused(str(event.args))
-
-        self.on("sent", on_sent)
-        self.on("refused", on_refused)
+        self.on("sent", lambda event: sent(str(event.args)))
+        self.on("refused", lambda event: refused(str(event.args)))
 
 
 _MOST_BYTES = 100_000_000  # as much as the planner reads
@@ -189,10 +183,10 @@ class OrderDeskPage(Page):
                     if draft.key == here:
                         link.props('aria-current="page"')
                     ui.label(draft.made_at).classes("soft")
-                    remove = ui.button(icon="close", color=None)
-                    remove.props("flat dense round size=sm").set_enabled(self.is_operator)
-                    remove.props["title"] = remove.props["aria-label"] = f"Remove {name}"
-                    remove.on_click(partial(self._ask_remove, draft))
+                    remove = icon_button(
+                        "close", f"Remove {name}", partial(self._ask_remove, draft)
+                    )
+                    remove.props("size=sm").set_enabled(self.is_operator)
 
     def _new_sections(self, draft: OrderDraft) -> tuple[_Section, ...]:
         """Return the cards of a draft, each with what it shows: others keep what a person types."""
@@ -236,9 +230,7 @@ class OrderDeskPage(Page):
                         ui.label(now.error).classes("lines")
                     else:
                         ui.label(_UNKNOWN_COLUMNS)
-                        with ui.element("details"):
-                            with ui.element("summary"):
-                                ui.label("What the import says")
+                        with unfolding("What the import says"):
                             ui.label(now.error).classes("lines")
                 self.button("Read the file again", self._read, icon="refresh", look="quiet")
 
@@ -402,7 +394,7 @@ class OrderDeskPage(Page):
             )
 
         what = f"run order '{name}', use case {use_case}"
-        what += f", its first {tasks} task{'' if tasks == 1 else 's'}" if tasks else ""
+        what += f", its first {counted(tasks, 'task')}" if tasks else ""
         answer = await self.give(what, start)
         if answer.state == DONE:
             self.go_to("/overview")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Awaitable, Callable, Iterable, Sequence
+from collections.abc import Awaitable, Callable, Sequence
 
 from nicegui import ui
 
@@ -20,9 +20,11 @@ from remodel_console.core.order_desk import (
 from remodel_console.core.use_case import duration_words
 from remodel_console.edge.order_drafts import DraftState
 from remodel_console.errors import CommandError
-from remodel_console.web.page import Page, Plot, card, scrollable, table
+from remodel_console.web.elements import Plot, card, scrollable, table, text_in, unfolding
+from remodel_console.web.page import Page
 from remodel_run.findings import Account, CellFit, Imported, NoPlan, Plan, Triage
 from remodel_run.rehearsal import Forecast, WireForecast
+from remodel_run.whole_task import counted
 
 _LINES_LISTED = 500  # lines; the planner's `import --verbose` prints all
 
@@ -32,19 +34,18 @@ def show_account(imported: Imported) -> ui.element:
     account = imported.account
     with card(f"Import of {imported.title}", _count_words(imported)) as made:
         with ui.element("ul").classes("lines"):
-            _line(f"{_counted(account.connections, account.unit)} in the file")
+            text_in("li", f"{_counted(account.connections, account.unit)} in the file")
             if account.joined:
                 wires = _counted(account.wires_joined, "wires")
-                _line(f"{account.joined} of them are merged into {wires}")
+                text_in("li", f"{account.joined} of them are merged into {wires}")
             for reason, count in Counter(each.reason for each in account.left_out).most_common():
-                _line(f"{count} left out: {reason}")
+                text_in("li", f"{count} left out: {reason}")
             outside = imported.counts["wires"] - imported.wires_in_cabinet
             if outside:
                 inside = _counted(imported.wires_in_cabinet, "wires")
-                _line(f"{inside} on the plate, {outside} leave it")
+                text_in("li", f"{inside} on the plate, {outside} leave it")
         for each in account.unused_columns:
-            with ui.element("div").classes("held"):
-                ui.label(f"{each.source} is not used: {each.reason}")
+            text_in("div", f"{each.source} is not used: {each.reason}", "held")
         _unfolding("Assumptions", account.assumptions)
         _unfolding("Left out", _omissions(account))
         _unfolding("Wires shorter than their routes", imported.lengths.too_short)
@@ -62,8 +63,7 @@ def show_before_start(triage: Triage | None, nothing_to_plan: str, cell: CellFit
     elif not triage.robot:
         refused = (*refused, "no task is for the robot")
     for reason in refused:
-        with ui.element("div").classes("ending bad"):
-            ui.label(f"Start will be refused: {reason}")
+        text_in("div", f"Start will be refused: {reason}", "ending bad")
     by_hand = len(triage.by_hand) + len(triage.outside) if triage else 0
     if by_hand:
         words = _counted(by_hand, "tasks")
@@ -74,8 +74,7 @@ def show_triage(triage: Triage | None, nothing_to_plan: str, cell: CellFit | Non
     """Add the card of which tasks are for the robot, by which method, and which by hand."""
     with card("Who does which task", "Decided by the use case; its file and key stand beside."):
         if triage is None:
-            with ui.element("div").classes("ending bad"):
-                ui.label(f"Nothing can be planned: {nothing_to_plan}")
+            text_in("div", f"Nothing can be planned: {nothing_to_plan}", "ending bad")
             return
         others = sum(len(each.tasks) for each in triage.other_methods)
         words = [("robot", len(triage.robot)), ("by hand", len(triage.by_hand))]
@@ -83,19 +82,17 @@ def show_triage(triage: Triage | None, nothing_to_plan: str, cell: CellFit | Non
             cores = sum(map(len, triage.cables.values()))
             cables = "a cable" if len(triage.cables) == 1 else "cables"
             words.insert(1, (f"of these {cables} of {cores} cores", len(triage.cables)))
+        if others:
+            words.append(("by another method", others))
         with ui.row().classes("counts"):
             for word, count in words:
                 with ui.element("div").classes("count"):
                     ui.label(str(count)).classes("figure")
                     ui.label(word).classes("soft")
-            if others:
-                with ui.element("div").classes("count"):
-                    ui.label(str(others)).classes("figure")
-                    ui.label("by another method").classes("soft")
         ui.label(f"Use case {triage.use_case}").classes("soft")
         if cell is not None:
-            with ui.element("div").classes("ending bad" if cell.misfits else "soft"):
-                ui.label(cell.summary[:1].upper() + cell.summary[1:])
+            summary = cell.summary[:1].upper() + cell.summary[1:]
+            text_in("div", summary, "ending bad" if cell.misfits else "soft")
         if triage.other_methods:
             with scrollable("Tasks by another method"):
                 head = ("Tasks", "Method", "Not the preferred one, because")
@@ -132,23 +129,11 @@ def _unfolding(title: str, lines: Sequence[str]) -> None:
     """Add lines that are shown when a person asks for them."""
     if not lines:
         return
-    with ui.element("details").classes("wide"):
-        with ui.element("summary"):
-            ui.label(f"{title} ({len(lines)})")
-        with ui.element("ul").classes("lines"):
-            _lines(lines[:_LINES_LISTED])
-            if len(lines) > _LINES_LISTED:
-                _line(f"and {len(lines) - _LINES_LISTED} more, which `import --verbose` prints")
-
-
-def _lines(lines: Iterable[str]) -> None:
-    for line in lines:
-        _line(line)
-
-
-def _line(text: str) -> None:
-    with ui.element("li"):
-        ui.label(text)
+    left = len(lines) - _LINES_LISTED
+    more = (f"and {left} more, which `import --verbose` prints",) if left > 0 else ()
+    with unfolding(f"{title} ({len(lines)})"), ui.element("ul").classes("lines"):
+        for line in (*lines[:_LINES_LISTED], *more):
+            text_in("li", line)
 
 
 def _names(tasks: Sequence[str]) -> str:
@@ -227,8 +212,7 @@ class ColumnsPanel:
             for row in columns.rows:
                 with ui.element("tr"):
                     for i in shown:
-                        with ui.element("td"):
-                            ui.label(row[i] if i < len(row) else "")
+                        text_in("td", row[i] if i < len(row) else "")
         return meanings
 
 
@@ -242,8 +226,8 @@ def show_plan(now: DraftState) -> None:
     hint = "What each arm does when. Drag the bar below it, or Ctrl and the wheel, to zoom."
     with card("Plan", hint).classes("across"):
         if not now.is_planned and (now.plan or now.no_plan):
-            with ui.element("div").classes("held"):
-                ui.label("The preferences or options have changed since: plan again.")
+            words = "The preferences or options have changed since: plan again."
+            text_in("div", words, "held")
         if now.no_plan is not None:
             _show_no_plan(now.no_plan)
         elif now.plan is not None:
@@ -276,29 +260,24 @@ def _show_no_plan(found: NoPlan) -> None:
 def _show(plan: Plan, explanation: str) -> None:
     times = task_times(plan)
     tasks = len({each.task for each in times})
-    words = f"{tasks} task{'' if tasks == 1 else 's'} in {duration_words(plan.makespan_s)}"
+    words = f"{counted(tasks, 'task')} in {duration_words(plan.makespan_s)}"
     ui.label(f"{words}, cost {plan.cost}").classes("plan-words")
     for line in plan.split_cables:
         ui.label(line).classes("lines")
     plot = Plot(f"Gantt chart: {words}; the table below lists the tasks")
     plot.show(gantt_plot(plan), gantt_height(plan))
-    with ui.element("details").classes("wide"):
-        with ui.element("summary"):
-            ui.label(f"Tasks in their order ({len(times)})")
-        with scrollable("Tasks in their order"):
-            rows = (
-                (
-                    *(str(number), each.words, each.arm),
-                    *(f"{each.start_s:.1f} s", f"{each.end_s:.1f} s"),
-                    violated_words(plan, each.wires),
-                )
-                for number, each in enumerate(times[:_TASKS_LISTED], start=1)
-            )
-            table(("", "Task", "Arm", "From", "To", "Preference violated"), rows)
+    rows = (
+        (
+            *(str(number), each.words, each.arm),
+            *(f"{each.start_s:.1f} s", f"{each.end_s:.1f} s"),
+            violated_words(plan, each.wires),
+        )
+        for number, each in enumerate(times[:_TASKS_LISTED], start=1)
+    )
+    with unfolding(f"Tasks in their order ({len(times)})"), scrollable("Tasks in their order"):
+        table(("", "Task", "Arm", "From", "To", "Preference violated"), rows)
     if explanation:
-        with ui.element("details").classes("wide"):
-            with ui.element("summary"):
-                ui.label("Explanation: what the plan costs, and what preferences would")
+        with unfolding("Explanation: what the plan costs, and what preferences would"):
             ui.label(explanation).classes("explanation")
 
 
@@ -330,19 +309,16 @@ def show_forecast(found: Forecast, address_of: Callable[[str], str]) -> None:
                 ui.label(name).classes("lines")
     for wire in found.failing[:3]:
         _show_failing(wire, address_of)
-    with ui.element("details").classes("wide"):
-        with ui.element("summary"):
-            ui.label(f"Wires in their order ({len(found.wires)})")
-        with scrollable("Rehearsed wires"):
-            rows = (
-                (
-                    *(wire.wire, str(wire.trials), str(wire.at_once), str(wire.placed)),
-                    *(f"{wire.cell_s:.0f} s", _failure_words(wire)),
-                )
-                for wire in found.wires[:_LISTED]
-            )
-            heads = ("Wire", "Trials", "At the first attempt", "Placed", "Takes", "Most often")
-            table(heads, rows)
+    heads = ("Wire", "Trials", "At the first attempt", "Placed", "Takes", "Most often")
+    rows = (
+        (
+            *(wire.wire, str(wire.trials), str(wire.at_once), str(wire.placed)),
+            *(f"{wire.cell_s:.0f} s", _failure_words(wire)),
+        )
+        for wire in found.wires[:_LISTED]
+    )
+    with unfolding(f"Wires in their order ({len(found.wires)})"), scrollable("Rehearsed wires"):
+        table(heads, rows)
 
 
 def _show_failing(wire: WireForecast, address_of: Callable[[str], str]) -> None:

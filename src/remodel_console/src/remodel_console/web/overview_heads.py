@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Awaitable, Callable, Collection, Coroutine, Iterable
+from collections.abc import Awaitable, Callable, Collection, Iterable
 from functools import partial
 
 from nicegui import run, ui
@@ -21,6 +20,7 @@ from remodel_console.core.use_case import (
 from remodel_console.core.world import Part, World
 from remodel_console.errors import CommandError
 from remodel_console.web.bar import Button
+from remodel_console.web.elements import icon_button, text_in
 from remodel_console.web.page import Page
 from remodel_run.progress import Count, Phase, TaskPhase, sums_words
 
@@ -47,11 +47,6 @@ class LastHead:
         self._phase.text = f"was: {last.phase.words}"
         self._progress.text = sums_words(last.sums)
         self._message.text = last.message
-
-
-def time_words(wall_s: float) -> str:
-    """Return the time of day of a wall time [s]."""
-    return time.strftime("%H:%M:%S", time.localtime(wall_s))
 
 
 class OrderForm:
@@ -237,7 +232,7 @@ class StartCard:
             self._trouble = ui.label().classes("code lines")
             with ui.column().classes("choices") as self._choices:
                 for fake, (name, means) in _CELLS.items():
-                    page.button(name, self._starting(fake), icon="play_arrow")
+                    page.button(name, partial(self._start, fake), icon="play_arrow")
                     ui.label(means).classes("soft")
             self._stop = page.button("Stop what was started here", self._end, look="quiet")
 
@@ -267,22 +262,18 @@ class StartCard:
             self._title.text, self._words.text = "Started here", _NEXT
         return not is_offered and not is_starting
 
-    def _starting(self, fake: bool) -> Callable[[], Coroutine[None, None, None]]:
-        async def start() -> None:
-            page, name = self._page, _CELLS[fake][0].lower()
-            by = page.actor.name
-            answer = await page.give(
-                f"start everything with a {name}",
-                lambda: page.console.start_everything(by, fake=fake),
-            )
-            if answer.state == DONE and not self._card.is_deleted:
-                self.show(page.console.live.world)
+    async def _start(self, fake: bool) -> None:
+        page, name = self._page, _CELLS[fake][0].lower()
+        by = page.actor.name
+        answer = await page.give(
+            f"start everything with a {name}",
+            lambda: page.console.start_everything(by, fake=fake),
+        )
+        if answer.state == DONE and not self._card.is_deleted:
+            self.show(page.console.live.world)
 
-        return start
-
-    async def _end(self) -> None:
+    def _end(self) -> None:
         page = self._page
-
         page.ask(
             "Stop engine, supervisor and cell? A run that is under way is interrupted.",
             "Stop them",
@@ -304,16 +295,15 @@ class TaskTable:
 
     def __init__(self, skip: TaskDeed, retry: TaskDeed, *, is_operator: bool) -> None:
         """Build an empty table; `skip` and `retry` get the name of a task."""
-        self._deeds = {"Skip": skip, "Retry": retry}
-        self._is_operator = is_operator
+        self._new_row = partial(_Row, skip=skip, retry=retry, is_operator=is_operator)
         with (
             ui.element("div").classes("tasks") as self.area,
             ui.element("table").classes("plain") as self._table,
             ui.element("tr"),
         ):
-            for head in ("Task", "State", "Attempts", "Time", "Commands"):
-                with ui.element("th"):
-                    ui.label(head).classes("unseen" if head == "Commands" else "")
+            for head in ("Task", "State", "Attempts", "Time"):
+                text_in("th", head)
+            text_in("th", "Commands").classes("unseen")
         self._more = ui.label().classes("soft")
         self._rows: dict[tuple[str, bool], _Row] = {}
 
@@ -337,7 +327,7 @@ class TaskTable:
         with self._table:
             for key, each in shown.items():
                 if key not in self._rows:
-                    self._rows[key] = _Row(each, self._deeds, self._is_operator)
+                    self._rows[key] = self._new_row(each)
         rows = self._table.default_slot.children
         for place, key in enumerate(shown, start=1):  # after the heads
             row = self._rows[key].element
@@ -355,7 +345,7 @@ class _Row:
     """A task, or a cable, whose cores are skipped and retried one by one."""
 
     def __init__(
-        self, shown: CableTask | Task, deeds: dict[str, TaskDeed], is_operator: bool
+        self, shown: CableTask | Task, skip: TaskDeed, retry: TaskDeed, *, is_operator: bool
     ) -> None:
         self._shown: tuple[CableTask | Task, bool] | None = None
         name = shown.name
@@ -363,15 +353,15 @@ class _Row:
             with ui.element("td").classes("name"):
                 ui.label(name)
                 self._description = ui.label().classes("description")
-            self._phase, self._attempts, self._time = (
-                _cell("phase"),
-                _cell("attempts"),
-                _cell("time"),
-            )
+            self._phase = text_in("td", "", "phase")
+            self._attempts = text_in("td", "", "attempts")
+            self._time = text_in("td", "", "time")
             with ui.element("td").classes("deeds"):
                 if isinstance(shown, Task):
-                    self._skip = _button("Skip", "skip_next", name, deeds, is_operator=is_operator)
-                    self._retry = _button("Retry", "replay", name, deeds, is_operator=is_operator)
+                    self._skip = icon_button("skip_next", f"Skip {name}", partial(skip, name))
+                    self._retry = icon_button("replay", f"Retry {name}", partial(retry, name))
+                    for button in (self._skip, self._retry):
+                        button.set_enabled(is_operator)
 
     def show(self, task: CableTask | Task, *, is_under_way: bool) -> None:
         """Show what may have changed."""
@@ -390,20 +380,6 @@ class _Row:
         self._attempts.text = str(task.attempts or "")
         self._skip.set_visibility(is_under_way and task.phase in _OPEN)
         self._retry.set_visibility(is_under_way and task.phase is TaskPhase.SET_ASIDE)
-
-
-def _cell(style: str) -> ui.label:
-    with ui.element("td").classes(style):
-        return ui.label()
-
-
-def _button(
-    word: str, icon: str, task: str, deeds: dict[str, TaskDeed], is_operator: bool
-) -> ui.button:
-    made = ui.button(icon=icon, on_click=partial(deeds[word], task), color=None)
-    made.props(f'flat dense round title="{word} {task}" aria-label="{word} {task}"')
-    made.set_enabled(is_operator)
-    return made
 
 
 def _time_words(task: CableTask | Task, *, is_under_way: bool) -> str:

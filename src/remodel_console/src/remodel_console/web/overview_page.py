@@ -23,7 +23,9 @@ from remodel_console.core.use_case import (
 )
 from remodel_console.core.world import ALL_PARTS, World, supervisor_words
 from remodel_console.errors import CommandError
+from remodel_console.watched import Viewer
 from remodel_console.web.cell_view import CameraView, LiveCell
+from remodel_console.web.elements import Plot, card, icon_button, table, time_words
 from remodel_console.web.overview_heads import (
     PAUSING,
     LastHead,
@@ -31,11 +33,11 @@ from remodel_console.web.overview_heads import (
     RunHead,
     StartCard,
     TaskTable,
-    time_words,
 )
-from remodel_console.web.page import Page, Plot, card, table
+from remodel_console.web.page import Page
 from remodel_run.progress import HandWire, Phase, Sums
 from remodel_run.record import Statistics, decision_words, fault_words
+from remodel_run.whole_task import counted
 
 _PLOTTED_TASKS = 100  # the latest; the figures are of all
 
@@ -168,8 +170,8 @@ class OverviewPage(Page):
         self._gone = ""
         self._pending: list[str] = []
         self._head: RunHead | OrderForm | LastHead | None = None
-        self._wants_pictures = False
-        ui.context.client.on_delete(lambda: self._want_pictures(False))
+        self._viewer = Viewer(self.console.pictures)
+        ui.context.client.on_delete(lambda: self._viewer.watch(False))
         with ui.element("div").classes("overview"):
             self._arrangement.splitter("Width of the order", "order", is_column=True)
             with ui.element("section").classes("order").props('tabindex="0" aria-label="Order"'):
@@ -200,8 +202,9 @@ class OverviewPage(Page):
         """Show the parts that have changed."""
         self._cell.follow(world.use_case)
         self._cameras["scene"].set_visibility(not self._cell.is_available)
+        # Have the cell rendered for people where it cannot be drawn here.
         wants = not self._cell.is_available and self._arrangement.is_shown("Cameras")
-        self._want_pictures(wants)
+        self._viewer.watch(wants)
         for camera, view in self._cameras.items():
             picture = self.console.pictures.newest(camera)
             view.show(f"/picture/{camera}?number={picture.number}" if picture else "")
@@ -238,13 +241,7 @@ class OverviewPage(Page):
         """Draw the cell, and request pictures of it, only while the page is in view."""
         self._cell.set_shown(is_in_view and self._arrangement.is_shown("Cell"))
         if not is_in_view:
-            self._want_pictures(False)
-
-    def _want_pictures(self, are_wanted: bool) -> None:
-        """Have the cell rendered for people, where it cannot be drawn here."""
-        if are_wanted != self._wants_pictures:
-            self._wants_pictures = are_wanted
-            self.console.pictures.add_viewer(1 if are_wanted else -1)
+            self._viewer.watch(False)
 
     def press_with_alt(self, key: str) -> None:
         """Pause the run, or resume it; a protective stop is released by its button alone."""
@@ -323,9 +320,8 @@ class OverviewPage(Page):
             tasks: how many of its tasks, from the first; 0 for all.
             again: repeat finished tasks, on an empty panel.
         """
-        what = f"run order '{order}'" + (
-            f", its first {tasks} task{'' if tasks == 1 else 's'}" if tasks else ""
-        )
+        what = f"run order '{order}'"
+        what += f", its first {counted(tasks, 'task')}" if tasks else ""
         what += ", on an empty panel" if again else ""
         return await self._give(
             what, lambda supervisor, by: supervisor.run(order, tasks, by, again=again)
@@ -429,8 +425,7 @@ class StatisticsPage(Page):
             with ui.row().classes("choice-row"):
                 self._order = ui.select([_ALL], value=_ALL, label="Order", on_change=self._load)
                 self._order.props("outlined dense")
-                reload = ui.button(icon="refresh", on_click=self._load, color=None)
-                reload.props('flat dense round title="Reload" aria-label="Reload"')
+                icon_button("refresh", "Reload", self._load)
                 self._message = ui.label(_UNKNOWN).classes("soft").props('role="status"')
             with card("First-pass yield", "Share of the tasks of each run done at once."):
                 self._yields = Plot("First-pass yield over runs")

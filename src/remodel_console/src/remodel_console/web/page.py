@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import threading
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import AbstractContextManager, contextmanager
 from functools import partial
 from typing import ClassVar, TypeVar
@@ -17,7 +17,6 @@ from starlette.requests import Request
 
 from remodel_console.console import Console
 from remodel_console.core.commands import DONE, REFUSED, Actor, Command, CommandResult, Role, Verb
-from remodel_console.core.plots import Options
 from remodel_console.core.settings import PagePart, arranged, arrangement_text, moved, with_shown
 from remodel_console.core.world import Card, Kind, Option, Part, World, cards
 from remodel_console.session import Session
@@ -399,16 +398,16 @@ class Page:
     async def load(self, name: str) -> None:
         """Load a behavior into the session; ask first if something would be lost."""
         session = self.session
-        command = Command(f"load {name}", Verb.LOAD, {"name": name})
-
-        async def do() -> None:
-            await self.give(command.text, lambda: session.carry_out(command))
-
         if session.is_kept or session.chart is None:
-            await do()
+            await self.load_into(session, name)
         else:
             question = f"'{session.chart.name}' has unsaved changes."
-            self.ask(question, "Discard and load", do)
+            self.ask(question, "Discard and load", partial(self.load_into, session, name))
+
+    async def load_into(self, session: Session, name: str) -> CommandResult:
+        """Load a behavior into a session, whatever it has."""
+        command = Command(f"load {name}", Verb.LOAD, {"name": name})
+        return await self.give(command.text, lambda: session.carry_out(command))
 
     def _show(self) -> None:
         """Show what has changed; a page in the background only draws attention to what waits."""
@@ -461,54 +460,3 @@ class Page:
             self.press_with_alt(key)
         elif card is not None and self.role.may(Role.OPERATOR):
             background_tasks.create(self._answer(card, card.options[0]))
-
-
-def card(title: str, hint: str) -> ui.element:
-    """Return a part of a page with a title and a hint, to be filled."""
-    made = ui.element("section").classes("card matter")
-    with made:
-        ui.label(title).classes("title")
-        ui.label(hint).classes("soft")
-    return made
-
-
-def scrollable(name: str) -> ui.element:
-    """Return a frame for what may be too wide or too high, such as a table; keys scroll it, too."""
-    frame = ui.element("div").classes("table-frame wide").props('tabindex="0" role="region"')
-    frame.props["aria-label"] = name
-    return frame
-
-
-def table(head: Iterable[str], rows: Iterable[Iterable[str]]) -> None:
-    """Add a plain table."""
-    with ui.element("table").classes("plain"):
-        with ui.element("tr"):
-            for text in head:
-                _text("th", text)
-        for row in rows:
-            with ui.element("tr"):
-                for text in row:
-                    _text("td", text)
-
-
-def _text(tag: str, text: str) -> None:
-    with ui.element(tag):
-        ui.label(text)
-
-
-class Plot:
-    """Shows the options of `core.plot`; the browser draws them."""
-
-    def __init__(self, label: str) -> None:
-        """Show nothing yet; `label` names the plot for screen readers."""
-        self._chart = ui.echart({}, renderer="svg").classes("plot")
-        self._chart.props["role"] = "img"
-        self._chart.props["aria-label"] = label
-
-    def show(self, options: Options, height: int | None = None) -> None:
-        """Show another plot, of a height [pixels] other than usual if one is given."""
-        self._chart.options.clear()
-        self._chart.options.update(options)
-        if height is not None:
-            self._chart.style(f"height: {height}px")
-        self._chart.update()

@@ -8,7 +8,6 @@ from typing import Any
 
 from nicegui import ui
 from nicegui.element import Element
-from nicegui.events import GenericEventArguments
 
 from remodel_console.core.commands import DONE, CommandResult
 from remodel_console.core.order_desk import (
@@ -28,7 +27,8 @@ from remodel_console.core.order_desk import (
 )
 from remodel_console.edge.order_drafts import DraftState
 from remodel_console.errors import CommandError
-from remodel_console.web.page import Page, card
+from remodel_console.web.elements import card, icon_button
+from remodel_console.web.page import Page
 from remodel_run.findings import Plan
 
 
@@ -45,11 +45,7 @@ class ClickedBoard(Element, component="static/board.js"):
         super().__init__()
         self._props["address"] = address
         self._props["chosen"] = []
-
-        def on_clicked(event: GenericEventArguments) -> None:
-            clicked([str(name) for name in event.args])
-
-        self.on("clicked", on_clicked)
+        self.on("clicked", lambda event: clicked([str(name) for name in event.args]))
 
     def highlight(self, wires: Sequence[str]) -> None:
         """Highlight these wires, and no others."""
@@ -223,12 +219,9 @@ class PreferencesPanel:
             with ui.element("div").classes("preference-words"):
                 ui.label(str(entry.get("name", "without a name"))).classes("name")
                 ui.label(entry_words(entry)).classes("code")
-            remove = ui.button(icon="delete", color=None).props(
-                f'flat dense round title="Remove {entry.get("name", "entry")}"'
-            )
-            remove.props["aria-label"] = f"Remove {entry.get('name', 'entry')}"
+            title = f"Remove {entry.get('name', 'entry')}"
+            remove = icon_button("delete", title, partial(self._remove, list_name, entry))
             remove.set_enabled(self._page.is_operator)
-            remove.on_click(partial(self._remove, list_name, entry))
 
     async def _remove(self, list_name: str, entry: Mapping[str, Any]) -> None:
         await self._change(

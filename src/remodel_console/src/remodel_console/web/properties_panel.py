@@ -30,7 +30,7 @@ from remodel_console.core.chart_edit import (
     with_output,
 )
 from remodel_console.core.editing import Path
-from remodel_console.web.editing_page import EditingPage
+from remodel_console.web.editing_page import EditingPage, show_fixes
 
 
 class ContainerPanel:
@@ -141,24 +141,15 @@ class ContainerPanel:
 
 # The row is left, and not only one of its fields for the next.
 _LEFT = "(event) => { if (!event.currentTarget.contains(event.relatedTarget)) emit(); }"
-Change = Callable[[str, Path, Callable[[Chart], Chart]], object]
 
 
 class InterfacePanel:
     """A row for each value, and an empty one to add another."""
 
-    def __init__(self, scope: Chart, path: Path, change: Change, *, is_operator: bool) -> None:
-        """Build the rows.
-
-        Args:
-            scope: chart or content of the container.
-            path: of the container; empty for the chart.
-            change: changes what is at a path.
-            is_operator: who uses the page may change something.
-        """
+    def __init__(self, page: EditingPage, scope: Chart, path: Path) -> None:
+        """Build the rows of a container of a path, or of the chart if that is empty."""
+        self._page = page
         self._path = path
-        self._change = change
-        self._is_operator = is_operator
         has_defaults = not path  # only a start gives the chart a value
         ui.label("Inputs").classes("heading")
         for place, port in enumerate((*scope.inputs, None)):
@@ -169,14 +160,11 @@ class InterfacePanel:
 
     async def _put_input(self, place: int, name: str, kind: str, default: str = "") -> None:
         change = partial(with_input, place=place, name=name, kind=kind, default=default)
-        await self._do(f"input '{name}' {kind} {default}".rstrip(), change)
+        await self._page.change(f"input '{name}' {kind} {default}".rstrip(), self._path, change)
 
     async def _put_output(self, place: int, name: str, kind: str) -> None:
         change = partial(with_output, place=place, name=name, kind=kind)
-        await self._do(f"output '{name}' {kind}".rstrip(), change)
-
-    async def _do(self, what: str, change: Callable[[Chart], Chart]) -> None:
-        await self._change(what, self._path, change)  # type: ignore[misc]
+        await self._page.change(f"output '{name}' {kind}".rstrip(), self._path, change)
 
     def _row(self, label: str, port: object, put: Callable[..., object], has_default: bool) -> None:
         """Add a row, whose values are taken when it is left."""
@@ -198,7 +186,7 @@ class InterfacePanel:
 
         for field, hint in zip(fields, hints, strict=True):
             field.props(f'outlined dense aria-label="{label}: {hint}"')
-            field.set_enabled(self._is_operator)
+            field.set_enabled(self._page.is_operator)
             field.on("keydown.enter", take)
         row.on("focusout", take, js_handler=_LEFT)
 
@@ -213,6 +201,7 @@ class PropertiesPanel:
 
     def __init__(self, page: EditingPage) -> None:
         self._page = page
+        self._change = page.change
         self._area = ui.element("div").classes("properties")
         self._container = ContainerPanel(page)
         self._shown: object = None
@@ -315,9 +304,7 @@ class PropertiesPanel:
                 style = found.problem.code.severity.value
                 with ui.element("div").classes(f"problem {style}"):
                     ui.label(found.problem.message)
-                    with ui.row().classes("fixes"):
-                        for fix in found.fixes:
-                            self._page.button(fix.words, partial(self._page.fix, fix), look="quiet")
+                    show_fixes(self._page, found)
 
     def _name_entry(self, node: AnyNode, path: Path) -> None:
         async def rename(text: str) -> None:
@@ -400,7 +387,7 @@ class PropertiesPanel:
         return chart is not None and kind_at(chart, path[:-1]) is ContainerKind.CONCURRENCY
 
     def _interface(self, scope: Chart, path: Path) -> None:
-        InterfacePanel(scope, path, self._change, is_operator=self._page.is_operator)
+        InterfacePanel(self._page, scope, path)
         self._outputs(scope, path)
 
     def _outputs(self, scope: Chart, path: Path) -> None:
@@ -477,9 +464,6 @@ class PropertiesPanel:
         self._feeds(scope, path[:-1], node.id, entry.inputs)
 
     # Elements
-
-    async def _change(self, what: str, path: Path, change: Callable[[Chart], Chart]) -> bool:
-        return await self._page.change(what, path, change)
 
     def _entry(
         self, label: str, value: str, put: Callable[[str], object], hint: str = ""

@@ -8,14 +8,14 @@ from dataclasses import dataclass
 from nicegui import background_tasks, run, ui
 
 from remodel_console.core.cell import CellState, Recording, Value, differences
-from remodel_console.core.commands import DONE, Command, Verb
+from remodel_console.core.commands import DONE
 from remodel_console.core.record import Moment, Record, Summary, recorded_wire_words
 from remodel_console.core.run_view import Phase
 from remodel_console.core.running import FULL, Pairs, Start
 from remodel_console.core.world import ALL_PARTS, World
 from remodel_console.edge.workspace import Installed
 from remodel_console.errors import CommandError
-from remodel_console.watched import Scene
+from remodel_console.watched import Scene, Viewer
 from remodel_console.web.canvas import BehaviorDrawing
 from remodel_console.web.cell_view import CameraView, CellPanel
 from remodel_console.web.page import Page
@@ -158,17 +158,14 @@ class StartHere:
                     for text in words:
                         ui.label(text)
 
-        scene.add_viewer(1)  # as long as the dialog is open, the cell is followed
+        viewer = Viewer(scene)
+        viewer.watch(True)  # as long as the dialog is open
         timer = ui.timer(_EVERY_S, compare)
         compare()
-        is_followed = True
 
         def leave() -> None:
-            nonlocal is_followed
-            if is_followed:
-                is_followed = False
-                timer.cancel()
-                scene.add_viewer(-1)
+            timer.cancel()
+            viewer.watch(False)
 
         dialog.on("hide", leave)
         dialog.client.on_delete(leave)
@@ -194,8 +191,7 @@ class StartHere:
         """Load the behavior for Runtime control, unless that would lose changes."""
         page, session = self._page, self._page.session
         if session.chart is None or (session.is_saved and session.chart.name != name):
-            command = Command(f"load {name}", Verb.LOAD, {"name": name})
-            await page.give(command.text, lambda: session.carry_out(command))
+            await page.load_into(session, name)
 
 
 _NO_RECORDING = "No console recorded the cell in three dimensions during this run."

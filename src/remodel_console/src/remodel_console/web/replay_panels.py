@@ -22,7 +22,7 @@ from remodel_console.core.record import (
 )
 from remodel_console.core.use_case import duration_words
 from remodel_console.errors import CommandError
-from remodel_console.web.page import Plot
+from remodel_console.web.elements import Plot, icon_button, text_in
 from remodel_run.progress import sums_words
 from remodel_run.record import Kind
 
@@ -139,8 +139,7 @@ class ComparisonPanel:
         with self._area, ui.element("table").classes("plain compare-table"):
             with ui.element("tr"):
                 for text in ("[s]", f"Run {ours}", "[s]", f"Run {theirs}"):
-                    with ui.element("th"):
-                        ui.label(text)
+                    text_in("th", text)
             self._note(begin, "before are the same")
             for place, row in enumerate(found.rows[begin:end], start=begin):
                 is_first = place == found.first
@@ -165,8 +164,7 @@ class ComparisonPanel:
                 ui.label(f"{count} more steps {what}.").classes("soft")
 
     def _cells(self, step: Step | None, *, is_ours: bool) -> None:
-        with ui.element("td").classes("when"):
-            ui.label(f"{step.offset_s:.1f}" if step else "")
+        text_in("td", f"{step.offset_s:.1f}" if step else "", "when")
         with ui.element("td"):
             if step is not None and is_ours:
                 go = partial(self._go, step.index)
@@ -207,8 +205,7 @@ class RunList:
         with ui.element("aside").classes("runs").props('tabindex="0" aria-label="Runs"'):
             with ui.row().classes("runs-head"):
                 ui.label("Runs").classes("title")
-                again = ui.button(icon="refresh", on_click=self.list, color=None)
-                again.props('flat dense round title="Reload" aria-label="Reload"')
+                icon_button("refresh", "Reload", self.list)
             with ui.element("div").classes("wide") as self._area:
                 ui.label(_UNKNOWN).classes("soft")
 
@@ -283,11 +280,11 @@ class Scrubber:
         self._index = 0
         with ui.element("section").classes("scrub"):
             with ui.row().classes("controls scrub-row"):
-                _small("skip_previous", "Previous reason (B)", partial(self.step_reason, -1))
-                _small("chevron_left", "Previous entry (,)", partial(self.step, -1))
-                self._play = _small("play_arrow", "Play (P)", self.toggle)
-                _small("chevron_right", "Next entry (.)", partial(self.step, 1))
-                _small("skip_next", "Next reason (N)", partial(self.step_reason, 1))
+                icon_button("skip_previous", "Previous reason (B)", partial(self.step_reason, -1))
+                icon_button("chevron_left", "Previous entry (,)", partial(self.step, -1))
+                self._play = icon_button("play_arrow", "Play (P)", self.toggle)
+                icon_button("chevron_right", "Next entry (.)", partial(self.step, 1))
+                icon_button("skip_next", "Next reason (N)", partial(self.step_reason, 1))
                 self._speed = ui.select(_SPEEDS, value=5).props('dense outlined aria-label="Speed"')
                 self._clock = ui.label().classes("clock")
             with ui.element("div").classes("track"):
@@ -359,12 +356,6 @@ class Scrubber:
             f"entry {index + 1} of {len(record.entries)}"
         )
         self._show(index)
-
-
-def _small(icon: str, title: str, deed: Callable[[], object]) -> ui.button:
-    made = ui.button(icon=icon, on_click=deed, color=None)
-    made.props(f'flat dense round title="{title}" aria-label="{title}"')
-    return made
 
 
 def _marks(record: Record) -> str:

@@ -25,7 +25,8 @@ from remodel_console.core.running import (
 )
 from remodel_console.edge.workspace import Installed
 from remodel_console.errors import CommandError
-from remodel_console.web.page import Page, table
+from remodel_console.web.elements import table
+from remodel_console.web.page import Page
 
 
 class StartForm:

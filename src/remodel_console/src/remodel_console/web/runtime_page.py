@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterable
 from dataclasses import replace
 
@@ -23,9 +22,11 @@ from remodel_console.core.running import (
 )
 from remodel_console.core.world import Kind, World
 from remodel_console.errors import CommandError
+from remodel_console.watched import Viewer
 from remodel_console.web.canvas import BehaviorDrawing
 from remodel_console.web.cell_view import LiveCell
-from remodel_console.web.page import Page, Plot, table
+from remodel_console.web.elements import Plot, table, time_words
+from remodel_console.web.page import Page
 from remodel_console.web.run_panel import RunPanel
 
 
@@ -38,7 +39,7 @@ class PlotPanel:
         self._console: Console = page.console
         self._shown: tuple[str, ...] = ()
         self._rows: dict[str, tuple[ui.label, ui.label, Plot]] = {}
-        self._is_viewer = False
+        self._viewer = Viewer(page.console.plots)
         with ui.element("section").classes("wide plot-panel").props('aria-label="Plots"'):
             ui.label("Plots").classes("heading")
             self._area = ui.element("div").classes("wide")
@@ -54,9 +55,7 @@ class PlotPanel:
 
     def set_shown(self, is_shown: bool) -> None:
         """Receive no values while the page is in the background, and go on."""
-        if is_shown != self._is_viewer:
-            self._is_viewer = is_shown
-            self._console.plots.add_viewer(1 if is_shown else -1)
+        self._viewer.watch(is_shown)
 
     def show(self) -> None:
         """Show the plots that are chosen now, also by another page."""
@@ -205,15 +204,12 @@ class StatePanel:
             return
         view = live.world.run
         state = path_words(self._picked) or view.chart_state(view.active).words
-        if paths & live.world.breakpoints:
-            await self._page.give(
-                f"remove the breakpoint at {state}",
-                lambda: steering.change_breakpoints(removed=paths),
-            )
-        else:
-            await self._page.give(
-                f"set a breakpoint at {state}", lambda: steering.change_breakpoints(added=paths)
-            )
+        has_point = bool(paths & live.world.breakpoints)
+        change = {"removed": paths} if has_point else {"added": paths}
+        await self._page.give(
+            f"{'remove the' if has_point else 'set a'} breakpoint at {state}",
+            lambda: steering.change_breakpoints(**change),
+        )
 
     async def _remove_all(self) -> None:
         live, steering = self._page.console.live, self._page.console.steering
@@ -257,11 +253,8 @@ class LogPane(Element, component="static/log_pane.js"):
 
     def add(self, lines: Iterable[LogLine]) -> None:
         """Add lines."""
-        self.run_method("add", [[_clock(line.time_s), line.severity, line.text] for line in lines])
-
-
-def _clock(time_s: float) -> str:
-    return time.strftime("%H:%M:%S", time.localtime(time_s))
+        rows = [[time_words(line.time_s), line.severity, line.text] for line in lines]
+        self.run_method("add", rows)
 
 
 _READABLE_S = 0.25  # between two changes of what is there to click
