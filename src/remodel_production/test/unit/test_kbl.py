@@ -143,7 +143,7 @@ def test_a_box_at_two_nodes_has_wires_from_both():
         (">cp3<", ">cp9<", "Contact_point of Extremities e2 refers to cp9"),
         (">cp3<", ">t1<", "refers to Terminal_occurrence t1, which is no contact point"),
         ("<Start_node>n2", "<Start_node>n9", "Start_node of Segment S2 refers to n9"),
-        ("<Start_node>n2</Start_node>", "", "Segment S2 has 0 nodes as Start_node"),
+        ("<Start_node>n2</Start_node>", "", "segment S2 has 0 nodes as Start_node"),
         ('id="seg2"', 'id="seg1"', "id seg1 of a <Segment> is there before, at line 72"),
         ('<Routing id="r2"><Routed_wire>core1', '<Routing id="r2"><Routed_wire>con1', "K1 has a r"),
         ("<Location>0.75", "<Location>1.5", "Location 1.5; a number from 0 to 1 is needed"),

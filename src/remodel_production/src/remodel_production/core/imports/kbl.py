@@ -26,11 +26,14 @@ from remodel_production.core.imports.kbl_parts import (
     ends_of,
     is_splice,
     kbl_modules,
+    lengths_by_type,
+    name_of,
     ordered_route,
     placed_pose,
     shown,
     text_of,
     twisted_groups,
+    unique_names,
     unused_parts,
 )
 from remodel_production.core.imports.values import Account, Assumptions, Imported, LeftOut, number
@@ -56,22 +59,16 @@ _BASE_COLOURS = ("grundfarbe", "base color", "base colour", "base", "basiccolor"
 
 
 def import_kbl(
-    text: bytes, name: str, source: str, catalogue: Catalogue, asked: Asked = ALL
+    data: bytes, name: str, source: str, catalogue: Catalogue, asked: Asked = ALL
 ) -> Imported:
     """Read a harness.
 
-    Args:
-        text: content of the file.
-        name: of the order to make.
-        source: name of the file, for the record.
-        catalogue: of what the file leaves unsaid.
-        asked: modules, harness configurations or variants whose wires are read, and those of all
-            variants.
+    Arguments are those of `DesignFormat.read_modules`.
 
     Raises:
         DesignError: if it is no KBL container, refers to what is not there, or has no connection.
     """
-    tree = KblTree(text)
+    tree = KblTree(data)
     return _Reader(tree, catalogue, kbl_modules(tree, asked)).read(name, source)
 
 
@@ -144,18 +141,14 @@ class _Reader:
 
     def _name_connectors(self) -> None:
         """Name the connectors and boxes, and whatever else owns contact points."""
-        taken: set[str] = set()
-        contacts = self._tree.all("Contact_points")
-        owners = [contact.getparent() for contact in contacts]
-        for owner in dict.fromkeys([*self._tree.all(*_CONNECTORS), *owners]):
-            if owner is None or owner is self._tree.root:
-                continue
-            base = text_of(owner, "Id") or owner.get("id") or line_of(owner)
-            name = unique_name(base, taken)
-            if name != base:
+        owners = [contact.getparent() for contact in self._tree.all("Contact_points")]
+        named = dict.fromkeys([*self._tree.all(*_CONNECTORS), *owners])
+        self._names = unique_names(
+            owner for owner in named if owner is not None and owner is not self._tree.root
+        )
+        for owner, name in self._names.items():
+            if name != (base := name_of(owner)):
                 self._assumptions.add(f"{line_of(owner)}: name {base} occurs before; named {name}")
-            taken.add(name)
-            self._names[owner] = name
 
     def _routings(self) -> dict[etree._Element, etree._Element]:
         """Return the routings by what they route: a connection, or its wire."""
@@ -339,15 +332,11 @@ class _Reader:
     def _length(
         self, occurrence: etree._Element, route: tuple[Segment, ...], source: str
     ) -> float | None:
-        lengths: dict[str, float] = {}
-        owners = [occurrence, self._cable_of(occurrence)]
-        for owner in owners:
-            if owner is None or lengths:
-                continue
-            for information in children(owner, "Length_information"):
-                length = self._tree.quantity(information, "Length_value")
-                if length is not None and length > 0:
-                    lengths.setdefault(text_of(information, "Length_type").lower(), length)
+        keys = ("Length_information", "Length_type", "Length_value")
+        cable = self._cable_of(occurrence)
+        lengths = lengths_by_type(self._tree, occurrence, *keys)
+        if cable is not None and not lengths:
+            lengths = lengths_by_type(self._tree, cable, *keys)
         for kind in (*_LENGTH_TYPES, *lengths):
             if kind in lengths:
                 return lengths[kind]

@@ -7,7 +7,7 @@ first two, and VEC writes StartNode where KBL writes Start_node.
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from functools import cache
 
 from lxml import etree
@@ -287,9 +287,8 @@ def twisted_groups(tree: KblTree) -> dict[etree._Element, str]:
     """Return the names of the twisted groups of wires, by wire."""
     groups: dict[etree._Element, str] = {}
     for group in tree.all("Wiring_group"):
-        name = text_of(group, "Id") or group.get("id") or line_of(group)
         for wire in tree.referred(group, "Assigned_wire"):
-            groups.setdefault(wire, name)
+            groups.setdefault(wire, name_of(group))
     return groups
 
 
@@ -314,15 +313,11 @@ class Topology:
     """Nodes, segments and clips; each has the name that the file calls it by."""
 
     def __init__(self, tree: KblTree, assumptions: Assumptions) -> None:
-        """Read a container's topology.
-
-        Raises:
-            DesignError: if a segment has not two nodes.
-        """
+        """Read a container's topology; DesignError if a segment has not two nodes."""
         self._tree = tree
         self._assumptions = assumptions
-        self._node_names = _names(tree.all("Node"))
-        self._segment_names = _names(tree.all("Segment"))
+        self._node_names = unique_names(tree.all("Node"))
+        self._segment_names = unique_names(tree.all("Segment"))
         self.nodes = tuple(
             Node(name, tree.position(node)) for node, name in self._node_names.items()
         )
@@ -351,16 +346,8 @@ class Topology:
         ]
 
     def _segment(self, element: etree._Element, name: str) -> Segment:
-        ends = []
-        for key in ("Start_node", "End_node"):
-            nodes = [n for n in self._tree.referred(element, key) if n in self._node_names]
-            if len(nodes) != 1:
-                raise DesignError(
-                    f"{line_of(element)}: {shown(element)} has {len(nodes)} nodes as {key}; one is "
-                    "needed"
-                )
-            ends.append(self._node_names[nodes[0]])
-        start, end = ends
+        keys = ("Start_node", "End_node")
+        start, end = nodes_of_segment(self._tree, element, name, self._node_names, keys)
         return Segment(name, start, end, self._length(element, name, start, end))
 
     def _length(self, element: etree._Element, name: str, start: str, end: str) -> float:
@@ -382,7 +369,7 @@ class Topology:
             for assignment in children(element, "Fixing_assignment"):
                 for fixing in self._tree.referred(assignment, "Fixing"):
                     along = self._along(assignment, self._by_name[segment])
-                    name = unique_name(_name(fixing), taken)
+                    name = unique_name(name_of(fixing), taken)
                     taken.add(name)
                     pose = placed_pose(self._tree, fixing)
                     position = None if pose is None else pose.position
@@ -390,7 +377,7 @@ class Topology:
         for node, node_name in self._node_names.items():
             for item in self._tree.referred(node, "Referenced_components"):
                 if local_name(item).lower() == "fixing_occurrence":
-                    name = unique_name(_name(item), taken)
+                    name = unique_name(name_of(item), taken)
                     taken.add(name)
                     position = self._position[node_name]
                     clips.append(Clip(name, self._kind(item), node=node_name, position=position))
@@ -465,16 +452,47 @@ def ends_of(route: Sequence[Segment]) -> tuple[str, str]:
     return begins, ends
 
 
-def _names(elements: list[etree._Element]) -> dict[etree._Element, str]:
+def nodes_of_segment(
+    tree: KblTree,
+    segment: etree._Element,
+    name: str,
+    node_names: Mapping[etree._Element, str],
+    keys: tuple[str, str],
+) -> tuple[str, str]:
+    """Return the nodes of a segment, one for each key; DesignError if it has not one of each."""
+    ends = []
+    for key in keys:
+        nodes = [node for node in tree.referred(segment, key) if node in node_names]
+        if len(nodes) != 1:
+            raise DesignError(
+                f"{line_of(segment)}: segment {name} has {len(nodes)} nodes as {key}; one is needed"
+            )
+        ends.append(node_names[nodes[0]])
+    return ends[0], ends[1]
+
+
+def lengths_by_type(
+    tree: KblTree, element: etree._Element, key: str, kind: str, value: str
+) -> dict[str, float]:
+    """Return the lengths [m] that an element's children of a key state, by their types."""
+    lengths: dict[str, float] = {}
+    for information in children(element, key):
+        length = tree.quantity(information, value)
+        if length is not None and length > 0:
+            lengths.setdefault(text_of(information, kind).lower(), length)
+    return lengths
+
+
+def unique_names(elements: Iterable[etree._Element], key: str = "Id") -> dict[etree._Element, str]:
     """Return the elements' names, made unique."""
     names: dict[etree._Element, str] = {}
     taken: set[str] = set()
     for element in elements:
-        name = unique_name(_name(element), taken)
-        taken.add(name)
-        names[element] = name
+        names[element] = unique_name(name_of(element, key), taken)
+        taken.add(names[element])
     return names
 
 
-def _name(element: etree._Element) -> str:
-    return text_of(element, "Id") or element.get("id") or line_of(element)
+def name_of(element: etree._Element, key: str = "Id") -> str:
+    """Return an element's name: by the child of a key, else its id, else its line."""
+    return text_of(element, key) or element.get("id") or line_of(element)

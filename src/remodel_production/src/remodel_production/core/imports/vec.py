@@ -18,7 +18,15 @@ from remodel_production.core.catalogue import Catalogue
 from remodel_production.core.imports.assembly import Connection, Device, assemble, unique_name
 from remodel_production.core.imports.design_format import ALL, Asked, ModuleChoice
 from remodel_production.core.imports.documents import line_of
-from remodel_production.core.imports.kbl_parts import KblTree, children, ordered_route, text_of
+from remodel_production.core.imports.kbl_parts import (
+    KblTree,
+    children,
+    lengths_by_type,
+    nodes_of_segment,
+    ordered_route,
+    text_of,
+    unique_names,
+)
 from remodel_production.core.imports.values import Account, Assumptions, Imported, LeftOut, number
 from remodel_production.core.imports.vec_parts import node_positions, vec_modules
 from remodel_production.core.production import (
@@ -37,6 +45,7 @@ from remodel_run.whole_task import counted
 
 ROOT = "VecContent"
 _TYPE = "{http://www.w3.org/2001/XMLSchema-instance}type"
+_NAME = "Identification"
 _COMPONENTS = ("Component", "PartUsage")
 _COLOURS = ("BaseColor", "FirstIdentificationColor", "SecondIdentificationColor")
 # What a grouping names its wire elements by: since version 1.2, and before.
@@ -61,13 +70,7 @@ def import_vec(
 ) -> Imported:
     """Read a harness.
 
-    Args:
-        data: content of the file.
-        name: of the order to make.
-        source: name of the file, for the record.
-        catalogue: of what the file leaves unsaid.
-        asked: modules, other composite parts or variants whose wires are read, and those of all
-            variants.
+    Arguments are those of `DesignFormat.read_modules`.
 
     Raises:
         DesignError: if it is no VEC, refers to what is not there, or joins no contact points.
@@ -87,11 +90,11 @@ class _Reader:
         for line in filter(None, (*modules.notes, note)):
             self._assumptions.add(line)
         self._left_out: list[LeftOut] = []
-        self._names = _names(tree.all(*_COMPONENTS))
-        self._node_names = _names(tree.all("TopologyNode"))
+        self._names = unique_names(tree.all(*_COMPONENTS), _NAME)
+        self._node_names = unique_names(tree.all("TopologyNode"), _NAME)
         self._segments = {
             element: self._segment(element, name)
-            for element, name in _names(tree.all("TopologySegment")).items()
+            for element, name in unique_names(tree.all("TopologySegment"), _NAME).items()
         }
         self._at: dict[etree._Element, list[etree._Element]] = {}
         for placement in tree.all("Placement"):
@@ -156,30 +159,19 @@ class _Reader:
         return "" if part is None else text_of(part, "PartNumber")
 
     def _segment(self, element: etree._Element, name: str) -> Segment:
-        ends = []
-        for key in ("StartNode", "EndNode"):
-            nodes = [n for n in self._tree.referred(element, key) if n in self._node_names]
-            if len(nodes) != 1:
-                raise DesignError(
-                    f"{line_of(element)}: segment {name} has {len(nodes)} nodes as {key}; one is "
-                    "needed"
-                )
-            ends.append(self._node_names[nodes[0]])
+        keys = ("StartNode", "EndNode")
+        ends = nodes_of_segment(self._tree, element, name, self._node_names, keys)
         length = self._length(element, "LengthInformation", "Classification", "Length")
         if length is None:
             self._assumptions.add(
                 f"{line_of(element)}: length of segment {name} not given, {_ASSUMED_SEGMENT_M} m "
                 "taken"
             )
-        return Segment(name, ends[0], ends[1], length or _ASSUMED_SEGMENT_M)
+        return Segment(name, *ends, length or _ASSUMED_SEGMENT_M)
 
     def _length(self, element: etree._Element, key: str, kind: str, value: str) -> float | None:
         """Return the length [m] of the most binding kind; None if there is none."""
-        lengths: dict[str, float] = {}
-        for information in children(element, key):
-            length = self._tree.quantity(information, value)
-            if length is not None and length > 0:
-                lengths.setdefault(text_of(information, kind).lower(), length)
+        lengths = lengths_by_type(self._tree, element, key, kind, value)
         return next((lengths[k] for k in (*_LENGTH_TYPES, *lengths) if k in lengths), None)
 
     def _cavity_names(self) -> dict[etree._Element, str]:
@@ -393,16 +385,6 @@ class _Reader:
                     if "end" in text_of(location, "Anchor").lower():
                         along = 1.0 - along
                     yield Clip(name, kind, passed.name, along)
-
-
-def _names(elements: list[etree._Element]) -> dict[etree._Element, str]:
-    names: dict[etree._Element, str] = {}
-    taken: set[str] = set()
-    for element in elements:
-        base = text_of(element, "Identification") or element.get("id") or line_of(element)
-        names[element] = unique_name(base, taken)
-        taken.add(names[element])
-    return names
 
 
 def _position(end: etree._Element) -> float:
