@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from wire_lists import CATALOGUE
 
-from remodel_production.core.imports.wireviz import import_wireviz, lines_of, prepended
+from remodel_production.core.imports.wireviz import import_wireviz, join_files
 from remodel_production.core.imports.wireviz_parts import COLOUR_CODES, core_colours
 from remodel_production.core.production import Role
 from remodel_production.errors import DesignError
@@ -208,16 +208,12 @@ def test_a_file_is_read_after_others_whose_anchors_it_uses():
         "cables:\n  W1: {<<: *pair}\n"
         "connections:\n  - [{X.X1: [1, 2]}, {W1: [1, 2]}, {X.X2: [2, 1]}]\n"
     )
-    before = [("common.yml", common)]
-    assert ends(read(prepended(before, main.encode()).decode())) == {
+    joined = join_files([("common.yml", common)], main.encode())
+    assert ends(read(joined.data.decode())) == {
         "W1.1": ("X1:1", "X2:2"),
         "W1.2": ("X1:2", "X2:1"),
     }
-    assert (
-        lines_of(before, main.encode())
-        == " (lines 1 to 4 are those of common.yml; its own begin at line 5)"
-    )
-    assert lines_of([], b"") == ""
+    assert joined.parts == " (lines 1 to 4 are those of common.yml; its own begin at line 5)"
     with pytest.raises(DesignError, match="line 2, column 12: is no YAML: found undefined alias"):
         read(main)
 
@@ -227,14 +223,15 @@ def test_a_section_of_a_file_read_before_is_replaced_by_that_of_a_later_one():
     main = b"connectors: {A: *T, B: *T}\ncables: {W: {wirecount: 2}}\n"
     sets = b"connections: [[{A: [P, G]}, {W: [1, 2]}, {B: [P, G]}]]\n"
     before = [("common.yml", common)]
-    imported = read(prepended(before, main + sets).decode())
-    assert ends(imported) == {"W.1": ("A:1", "B:1"), "W.2": ("A:2", "B:2")}
-    assert lines_of(before, main + sets) == (
+    joined = join_files(before, main + sets)
+    assert ends(read(joined.data.decode())) == {"W.1": ("A:1", "B:1"), "W.2": ("A:2", "B:2")}
+    assert joined.parts == (
         " (lines 1 to 3 are those of common.yml, whose connectors those of a later file replace; "
         "its own begin at line 4)"
     )
     with pytest.raises(DesignError, match=r"line 6: .*S"):
-        read(prepended(before, main + b"connections: [[{S: 1}, {W: 1}, {B: 1}]]\n").decode())
+        other = main + b"connections: [[{S: 1}, {W: 1}, {B: 1}]]\n"
+        read(join_files(before, other).data.decode())
 
 
 def test_parts_that_no_task_mounts_are_listed():

@@ -27,7 +27,7 @@ from fnmatch import fnmatchcase
 from typing import TypeVar
 
 from remodel_production.core.catalogue import Catalogue, Place, TerminalRule, full_terminals
-from remodel_production.core.imports.documents import Value, parse_yaml
+from remodel_production.core.imports.documents import Value, parse_yaml, section_of
 from remodel_production.core.imports.values import Imported
 from remodel_production.core.production import (
     Component,
@@ -145,13 +145,7 @@ def assemble(devices: Iterable[Device], connections: Sequence[Connection]) -> As
 
 
 def unique_name(base: str, taken: Container[str], last: int = 1) -> str:
-    """Return the name, with a number if it is taken.
-
-    Args:
-        base: the name.
-        taken: names.
-        last: number that is known to be taken, and all before it.
-    """
+    """Return the name, with a number above `last` if it is taken."""
     name, number = base, last
     while name in taken:
         number += 1
@@ -248,7 +242,6 @@ def _wire_names(connections: Sequence[Connection]) -> tuple[list[str], list[str]
     return names, renamed
 
 
-_SECTIONS = ("devices", "symbols")
 _Word = TypeVar("_Word", bound=Enum)
 
 
@@ -258,13 +251,7 @@ def with_placement(catalogue: Catalogue, text: str) -> Catalogue:
     Raises:
         DesignError: naming the line, what was found, and what is allowed.
     """
-    root = parse_yaml(text).mapping("the placement")
-    for key, value in root.items():
-        if key not in _SECTIONS:
-            raise DesignError(
-                f"{value.where}: the placement: key {key} is not known; allowed: "
-                f"{', '.join(_SECTIONS)}"
-            )
+    root = parse_yaml(text).mapping("the placement", known=("devices", "symbols"))
     symbols = tuple((name.lower(), place) for name, place in _entries(root, "symbols", Place))
     return replace(
         catalogue,
@@ -275,25 +262,23 @@ def with_placement(catalogue: Catalogue, text: str) -> Catalogue:
 
 def with_mounts(imported: Imported, catalogue: Catalogue) -> Imported:
     """Return the order with its components where the user says that they are."""
-    order, account = imported.order, imported.account
+    order = imported.order
     components = tuple(
         replace(component, mount=catalogue.mount(component.name) or component.mount)
         for component in order.components
     )
-    unknown = tuple(
+    unknown = (
         f"the placement names {pattern}, and no device is called so"
         for pattern, _ in catalogue.mounts
         if not any(fnmatchcase(component.name, pattern) for component in order.components)
     )
-    account = replace(account, assumptions=(*account.assumptions, *unknown))
-    order = replace(order, components=components, notes=(*order.notes, *unknown))
-    return Imported(order, account)
+    return replace(imported, order=replace(order, components=components)).assuming(unknown)
 
 
 def _entries(
     root: dict[str, Value], section: str, words: type[_Word]
 ) -> Iterator[tuple[str, _Word]]:
-    for pattern, value in root[section].mapping(section).items() if section in root else ():
+    for pattern, value in section_of(root, section).items():
         known = {word.value: word for word in words}
         if value.text not in known:
             raise DesignError(
@@ -312,9 +297,10 @@ def with_access(imported: Imported, catalogue: Catalogue) -> Imported:
 
     A rule of the catalogue that fits the component decides, the first one of several.
     """
+    order = imported.order
     lacking: Counter[str] = Counter()
     components = []
-    for component in imported.order.components:
+    for component in order.components:
         rule = catalogue.terminal_rule(component)
         lacking.update(_assumed(component, rule))
         terminals = tuple(_filled(terminal, rule) for terminal in component.terminals)
@@ -323,17 +309,11 @@ def with_access(imported: Imported, catalogue: Catalogue) -> Imported:
         *(f"{what} (of {count} terminals)" for what, count in lacking.items()),
         *(
             f"{full.reason}; by hand: {', '.join(full.beyond)}"
-            for full in full_terminals(imported.order.in_cabinet(), catalogue)
+            for full in full_terminals(order.in_cabinet(), catalogue)
         ),
     )
-    return Imported(
-        replace(
-            imported.order,
-            components=tuple(components),
-            notes=(*imported.order.notes, *assumptions),
-        ),
-        replace(imported.account, assumptions=(*imported.account.assumptions, *assumptions)),
-    )
+    filled = replace(order, components=tuple(components))
+    return replace(imported, order=filled).assuming(assumptions)
 
 
 def _filled(terminal: Terminal, rule: TerminalRule) -> Terminal:
@@ -349,16 +329,12 @@ def _filled(terminal: Terminal, rule: TerminalRule) -> Terminal:
 def _assumed(component: Component, rule: TerminalRule) -> Counter[str]:
     """Return a line for each assumed value, and for how many terminals."""
     kind = f"{component.role.value}s"
-    terminals = component.terminals
-    found = {
-        f"insertion force limit not given, {rule.force_limit_n:g} N taken for {kind}": sum(
-            t.insertion_force_limit_n is None for t in terminals
-        ),
-        f"clearance not given, {1e3 * rule.clearance_m:g} mm taken for {kind}": sum(
-            t.clearance_m is None for t in terminals
-        ),
-        "approach not given, that from the side on which they open taken": sum(
-            t.approach is None for t in terminals
-        ),
-    }
-    return Counter({what: count for what, count in found.items() if count})
+    force = f"insertion force limit not given, {rule.force_limit_n:g} N taken for {kind}"
+    clearance = f"clearance not given, {1e3 * rule.clearance_m:g} mm taken for {kind}"
+    approach = "approach not given, that from the side on which they open taken"
+    lines: Counter[str] = Counter()
+    for terminal in component.terminals:
+        lines[force] += terminal.insertion_force_limit_n is None
+        lines[clearance] += terminal.clearance_m is None
+        lines[approach] += terminal.approach is None
+    return +lines

@@ -11,7 +11,7 @@ import codecs
 import csv
 import io
 import zipfile
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import date, time
 from itertools import islice, zip_longest
@@ -147,16 +147,21 @@ class Value:
         """The place of the value, for errors."""
         return f"line {self.line}"
 
-    def mapping(self, what: str) -> dict[str, Value]:
+    def mapping(self, what: str, known: Collection[str] | None = None) -> dict[str, Value]:
         """Return the entries; an empty value has none.
 
         Raises:
-            DesignError: if this is no mapping.
+            DesignError: if this is no mapping, or has others than the known keys (None: any).
         """
         if self.data is None:
             return {}
         if not isinstance(self.data, dict):
             raise DesignError(f"{self.where}: {what}: expected a mapping, found {self.shown}")
+        for key, value in self.data.items():
+            if known is not None and key not in known:
+                raise DesignError(
+                    f"{value.where}: {what}: key {key} is not known; allowed: {', '.join(known)}"
+                )
         return self.data
 
     def items(self, what: str) -> list[Value]:
@@ -187,6 +192,13 @@ class Value:
         if isinstance(self.data, dict):
             return "a mapping"
         return "a list" if isinstance(self.data, list) else repr(self.data)[:60]
+
+
+def section_of(
+    root: Mapping[str, Value], key: str, known: Collection[str] | None = None
+) -> dict[str, Value]:
+    """Return the entries of a mapping in another one; none if it is not there."""
+    return root[key].mapping(key, known) if key in root else {}
 
 
 def parse_yaml(text: str) -> Value:

@@ -43,11 +43,7 @@ def with_wire_properties(imported: Imported, catalogue: Catalogue) -> Imported:
             lines.append(f"{wires}: {error}")
         else:
             lines += [f"{wires}: properties {origin}"] if origin else []
-    order, account = imported.order, imported.account
-    return Imported(
-        replace(order, notes=(*order.notes, *lines)),
-        replace(account, assumptions=(*account.assumptions, *lines)),
-    )
+    return imported.assuming(lines)
 
 
 WIRE_LIST = "csv"
@@ -56,11 +52,7 @@ _WIREVIZ = re.compile(r"^(connectors|cables|connections)\s*:", re.MULTILINE)
 
 
 def built_in_formats(mappings: Sequence[WireListMapping]) -> tuple[DesignFormat, ...]:
-    """Return the formats of this package.
-
-    Args:
-        mappings: of the wire lists that are known.
-    """
+    """Return the formats of this package, with the known mappings of wire lists."""
 
     def is_wireviz(file: DesignFile) -> bool:
         return not file.is_markup and _WIREVIZ.search(file.text) is not None
@@ -108,11 +100,7 @@ def built_in_formats(mappings: Sequence[WireListMapping]) -> tuple[DesignFormat,
 
 
 def format_of(data: bytes, formats: Sequence[DesignFormat]) -> DesignFormat:
-    """Return the format of a file by its content.
-
-    Args:
-        data: content of the file.
-        formats: that are known.
+    """Return the format, of some, of a file with such content.
 
     Raises:
         DesignError: if it has none of them, with what was found, or several.

@@ -70,19 +70,13 @@ class _Conductor:
     number: str = ""
 
 
-def import_qet(text: bytes, name: str, source: str, catalogue: Catalogue) -> Imported:
-    """Read a project.
-
-    Args:
-        text: content of the `.qet` file.
-        name: of the order to make.
-        source: name of the file, for the record.
-        catalogue: rules for what the file leaves unsaid.
+def import_qet(data: bytes, name: str, source: str, catalogue: Catalogue) -> Imported:
+    """Read a project; arguments are those of `DesignFormat.read`.
 
     Raises:
-        DesignError: if the text is no QElectroTech project or has no wire.
+        DesignError: if the data is no QElectroTech project or has no wire.
     """
-    project = parse_xml(text)
+    project = parse_xml(data)
     if project.tag != "project" or project.find("diagram") is None:
         raise DesignError(
             f"the root element is <{project.tag}>; a QElectroTech project is a <project> with at "
@@ -221,12 +215,7 @@ class _Reader:
                 conductors.append(_Conductor(source, (first, second), colour, section, number))
         return conductors
 
-    def _end(
-        self,
-        node: etree._Element,
-        which: str,
-        by_number: ByNumber,
-    ) -> _Point | str:
+    def _end(self, node: etree._Element, which: str, by_number: ByNumber) -> _Point | str:
         """Return the point at one end of a conductor, or why there is none."""
         uuid, key = node.get(f"element{which}"), node.get(f"terminal{which}", "")
         if uuid is None:
@@ -264,11 +253,12 @@ class _Reader:
         meetings: dict[str, list[_Conductor]] = defaultdict(list)
         group = self._reference_groups(conductors)
         for conductor in conductors:
-            places = {self._places[end.element] for end in conductor.ends}
+            places = [self._places[end.element] for end in conductor.ends]
             if Place.DRAWING in places:
                 self._left_out.append(LeftOut(conductor.source, "it ends on a picture"))
             elif Place.REFERENCE in places:
-                meetings[group[_reference(conductor, self._places)]].append(conductor)
+                reference = conductor.ends[places.index(Place.REFERENCE)].element
+                meetings[group[reference]].append(conductor)
             else:
                 wires.append(conductor)
         joined = wires_joined = 0
@@ -366,11 +356,7 @@ class _Reader:
                 )
 
     def _note_places(self, names: dict[str, str]) -> None:
-        """Note the symbols of the devices that are on the plate since nothing says where they are.
-
-        Args:
-            names: of the devices.
-        """
+        """Note the symbols of devices that are on the plate since nothing says where they are."""
         placed: dict[str, list[str]] = defaultdict(list)
         for uuid, name in names.items():
             if self._stated[uuid] is None and self._catalogue.mount(name) is None:
@@ -399,11 +385,6 @@ class _Reader:
             and self._places[uuid] in _DEVICES
             and element.find("terminals/terminal") is not None
         )
-
-
-def _reference(conductor: _Conductor, places: dict[str, Place]) -> str:
-    """Return the element of the (first) end that is a folio reference."""
-    return next(end.element for end in conductor.ends if places[end.element] is Place.REFERENCE)
 
 
 def _number_and_section(text: str) -> tuple[str, str]:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 import re
-from dataclasses import dataclass
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
 
 from remodel_production.core.catalogue import Catalogue
 from remodel_production.core.production import Order
@@ -20,6 +21,14 @@ class Imported:
 
     order: Order
     account: Account
+
+    def assuming(self, lines: Iterable[str]) -> Imported:
+        """Return it with a line for each thing assumed besides, in the order and the account."""
+        order, account, more = self.order, self.account, tuple(lines)
+        return Imported(
+            replace(order, notes=(*order.notes, *more)),
+            replace(account, assumptions=(*account.assumptions, *more)),
+        )
 
 
 # Copper of more than 1000 mm2 or a wire of more than 1 km is a slip of the pen.

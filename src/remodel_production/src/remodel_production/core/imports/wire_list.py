@@ -32,7 +32,6 @@ from remodel_production.core.imports.wire_list_headings import fields_of, simila
 from remodel_production.core.imports.wire_list_mapping import Field, MappingDraft, WireListMapping
 from remodel_production.core.imports.wire_list_table import (
     Row,
-    Source,
     Table,
     headings_table,
     read_table,
@@ -80,34 +79,25 @@ def import_wire_list(
 ) -> Imported:
     """Read a list.
 
-    Args:
-        data: content of the file.
-        name: of the order to make.
-        source: name of the file, for the record.
-        catalogue: of what the list leaves unsaid.
-        mappings: of which the one is taken with which most columns of the list are found; of
-            several the one that lists most of them.
+    Of the mappings that one is taken with which most columns of the list are found; of several the
+    one that lists most of them. The other arguments are those of `DesignFormat.read`.
 
     Raises:
         DesignError: if no mapping fits, or a line cannot be read.
     """
     table, text = read_table(data, mappings)
-    with text.blamed():
-        return _imported(table, text, name, source, catalogue)
-
-
-def _imported(table: Table, text: Source, name: str, source: str, catalogue: Catalogue) -> Imported:
     names = {**catalogue.colour_names, **(table.mapping.colours or {})}
     left_out: tuple[LeftOut, ...] = ()
     disagreements: tuple[str, ...] = ()
     unit = "lines"
-    if is_pin_list(table):
-        table, left_out, disagreements = with_wires(table)
-        unit = "wires"
-    reader = _Reader(table, replace(catalogue, colour_names=names), left_out, unit)
-    for line in filter(None, (text.assumed, *disagreements)):
-        reader.assumptions.add(line)
-    return reader.read(name, source, text.others)
+    with text.blamed():
+        if is_pin_list(table):
+            table, left_out, disagreements = with_wires(table)
+            unit = "wires"
+        reader = _Reader(table, replace(catalogue, colour_names=names), left_out, unit)
+        for line in filter(None, (text.assumed, *disagreements)):
+            reader.assumptions.add(line)
+        return reader.read(name, source, text.others)
 
 
 def mapping_draft(

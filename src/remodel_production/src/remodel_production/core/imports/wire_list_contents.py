@@ -148,13 +148,7 @@ def unit_of_lengths(table: Table, section_unit: str) -> tuple[str, str]:
 
 
 def without_thousands(text: str, unit: str, others: Sequence[str]) -> str:
-    """Return a length without the sign that groups thousands: "1.250" mm beside "830" is 1250.
-
-    Args:
-        text: of the length.
-        unit: of the column.
-        others: lengths of the column.
-    """
+    """Return a length without the sign that groups thousands: "1.250" mm beside "830" is 1250."""
     match = _THOUSANDS.fullmatch(text)
     has_whole = any(other.isdecimal() and len(other) > 1 for other in others)
     return f"{match[1]}{match[2]}" if match and unit == "mm" and has_whole else text

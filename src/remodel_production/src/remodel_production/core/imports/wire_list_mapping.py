@@ -30,7 +30,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
 
-from remodel_production.core.imports.documents import Value, parse_yaml
+from remodel_production.core.imports.documents import Value, parse_yaml, section_of
 from remodel_production.core.imports.values import is_length_unit
 from remodel_production.errors import DesignError
 
@@ -73,7 +73,7 @@ PIN_LIST = (Field.WIRE, Field.COMPONENT, Field.TERMINAL)
 ENDS = ((Field.FROM, Field.FROM_COMPONENT), (Field.TO, Field.TO_COMPONENT))
 _KEYS = (
     *("format", "name", "columns", "units", "terminal_separator", "separator", "encoding"),
-    *("sheet", "synonyms"),
+    *("sheet", "synonyms", "colours"),
 )
 _SECTION_UNITS = ("mm2", "awg")
 
@@ -128,16 +128,14 @@ def mapping_from(text: str) -> WireListMapping:
     Raises:
         DesignError: naming the line, what was found, and what is allowed.
     """
-    root = parse_yaml(text).mapping("the mapping")
-    _refuse_unknown(root, (*_KEYS, "colours"), "the mapping")
+    root = parse_yaml(text).mapping("the mapping", _KEYS)
     if "format" not in root or root["format"].data != FORMAT:
         found = root["format"].shown if "format" in root else "none"
         raise DesignError(f"line 1: format {found} found; `format: {FORMAT}` is needed")
     if "columns" not in root:
         raise DesignError("line 1: `columns` is missing; it says which column means what")
-    units = root["units"].mapping("units") if "units" in root else {}
-    _refuse_unknown(units, ("section", "length", "position"), "units")
-    colours = root["colours"].mapping("colours") if "colours" in root else {}
+    units = section_of(root, "units", ("section", "length", "position"))
+    colours = section_of(root, "colours")
     return WireListMapping(
         _text(root, "name", ""),
         _columns(root["columns"]),
@@ -217,8 +215,7 @@ def _quoted(text: str) -> str:
 
 
 def _columns(value: Value) -> dict[Field, tuple[str, ...]]:
-    columns = value.mapping("columns")
-    _refuse_unknown(columns, [field.value for field in Field], "columns")
+    columns = value.mapping("columns", [field.value for field in Field])
     found = {}
     for key, heading in columns.items():
         names = [heading] if heading.is_scalar else heading.items(f"column {key}")
@@ -261,13 +258,3 @@ def _flag(entries: dict[str, Value], key: str) -> bool:
             f"{entries[key].where}: {key}: {entries[key].shown} found; allowed: true, false"
         )
     return value
-
-
-def _refuse_unknown(
-    entries: dict[str, Value], known: tuple[str, ...] | list[str], what: str
-) -> None:
-    for key, value in entries.items():
-        if key not in known:
-            raise DesignError(
-                f"{value.where}: {what}: key {key} is not known; allowed: {', '.join(known)}"
-            )

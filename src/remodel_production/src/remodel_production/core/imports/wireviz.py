@@ -18,14 +18,14 @@ The syntax is WireViz' own (docs/syntax.md of version 0.4).
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 
 from remodel_production.core.catalogue import Catalogue
 from remodel_production.core.imports.assembly import Connection, Device, assemble
 from remodel_production.core.imports.design_format import JoinedFile
-from remodel_production.core.imports.documents import Value, decode, parse_yaml
+from remodel_production.core.imports.documents import Value, decode, parse_yaml, section_of
 from remodel_production.core.imports.values import (
     Account,
     Assumptions,
@@ -75,13 +75,7 @@ _REPLACED = "replaced_"
 
 
 def import_wireviz(data: bytes, name: str, source: str, catalogue: Catalogue) -> Imported:
-    """Read a harness.
-
-    Args:
-        data: content of the file.
-        name: of the order to make.
-        source: name of the file, for the record.
-        catalogue: of what the file leaves unsaid.
+    """Read a harness; arguments are those of `DesignFormat.read`.
 
     Raises:
         DesignError: if the file is no WireViz harness, or refers to what is not there.
@@ -100,56 +94,32 @@ def import_wireviz(data: bytes, name: str, source: str, catalogue: Catalogue) ->
 
 
 def join_files(before: Sequence[tuple[str, bytes]], data: bytes) -> JoinedFile:
-    """Return a file after others, and which lines are whose; raises DesignError."""
-    return JoinedFile(prepended(before, data), lines_of(before, data))
-
-
-def prepended(before: Sequence[tuple[str, bytes]], data: bytes) -> bytes:
     """Return a file after others, as one text: anchors of the first are known in the next ones.
 
     A section that a later file has too is replaced by that one, as WireViz reads them.
 
     Args:
-        before: name and content of the other files, in their order.
+        before: name and content of the other files, at least one, in their order.
         data: content of the file.
 
     Raises:
         DesignError: if one of them is no text.
     """
     texts = [decode(each)[0] for each in (*(content for _, content in before), data)]
-    for i, replaced in enumerate(_replaced(texts)):
+    texts = [text if text.endswith("\n") else f"{text}\n" for text in texts]
+    sections = [_SECTION.findall(text) for text in texts]
+    parts, last = [], 0
+    for i, (name, _) in enumerate(before):
+        replaced = [key for key in sections[i] if any(key in later for later in sections[i + 1 :])]
         for key in replaced:
             texts[i] = re.sub(
                 rf"^{key}(?=\s*:)", f"{_REPLACED}{i}_{key}", texts[i], flags=re.MULTILINE
             )
-    return "".join(map(_ended, texts)).encode()
-
-
-def lines_of(before: Sequence[tuple[str, bytes]], data: bytes) -> str:
-    """Return which lines of a file after others are those of the others; empty for none."""
-    if not before:
-        return ""
-    parts, last = [], 0
-    texts = [decode(each)[0] for each in (*(content for _, content in before), data)]
-    for (name, _), text, replaced in zip(before, texts, _replaced(texts), strict=False):
-        first, last = last + 1, last + _ended(text).count("\n")
+        first, last = last + 1, last + texts[i].count("\n")
         lost = f", whose {' and '.join(replaced)} those of a later file replace" if replaced else ""
         parts.append(f"lines {first} to {last} are those of {name}{lost}")
-    return f" ({'; '.join(parts)}; its own begin at line {last + 1})"
-
-
-def _replaced(texts: Sequence[str]) -> list[list[str]]:
-    """Return of each text the sections that a later one has too."""
-    sections = [_SECTION.findall(text) for text in texts]
-    return [
-        [key for key in keys if any(key in later for later in sections[i + 1 :])]
-        for i, keys in enumerate(sections)
-    ]
-
-
-def _ended(text: str) -> str:
-    """Return a text whose last line has an end."""
-    return text if text.endswith("\n") else f"{text}\n"
+    whose = f" ({'; '.join(parts)}; its own begin at line {last + 1})"
+    return JoinedFile("".join(texts).encode(), whose)
 
 
 class _Reader:
@@ -160,20 +130,18 @@ class _Reader:
         self.assumptions = Assumptions(catalogue)
         self._ignored: list[LeftOut] = []
         self._left_out: list[LeftOut] = []
-        sections = {key: root[key].mapping(key) for key in ("connectors", "cables") if key in root}
         self._connectors = {
             name: connector_part(name, value)
-            for name, value in sections.get("connectors", {}).items()
+            for name, value in section_of(root, "connectors").items()
         }
         self._cables = {
-            name: cable_part(name, value) for name, value in sections.get("cables", {}).items()
+            name: cable_part(name, value) for name, value in section_of(root, "cables").items()
         }
         for name in self._connectors.keys() & self._cables.keys():
             raise DesignError(
                 f"line {self._cables[name].line}: {name} is a connector and a cable: rename one"
             )
-        options = root["options"].mapping("options") if "options" in root else {}
-        separator = options.get("template_separator")
+        separator = section_of(root, "options").get("template_separator")
         self._separator = separator.text if separator is not None else _DEFAULT_SEPARATOR
         # Instances by designator, with the template of each.
         self._templates: dict[str, str] = {}
@@ -192,8 +160,7 @@ class _Reader:
         cables = tuple(self._used_cables())
         assembly = assemble(self._devices(), connections)
         self._note_unused()
-        metadata = self._root["metadata"] if "metadata" in self._root else Value({}, 1)
-        title = metadata.mapping("metadata").get("title")
+        title = section_of(self._root, "metadata").get("title")
         account = Account(
             "connections",
             len(connections) + len(self._left_out),
@@ -400,52 +367,38 @@ class _Reader:
             core=key,
         )
 
-    def _devices(self) -> list[Device]:
-        devices = []
+    def _devices(self) -> Iterator[Device]:
         for designator, template in self._templates.items():
             if template in self._connectors:
                 part = self._connectors[template]
-                kinds = dict(zip(part.pinout.keys, part.pinout.labels, strict=False))
-                devices.append(
-                    Device(
-                        designator,
-                        part.kind,
-                        role=Role.JOINT if names_splice(designator, part.kind) else Role.CONNECTOR,
-                        part_number=part.part_number,
-                        kinds=kinds,
-                        stays_bare=True,
-                    )
+                yield Device(
+                    designator,
+                    part.kind,
+                    role=Role.JOINT if names_splice(designator, part.kind) else Role.CONNECTOR,
+                    part_number=part.part_number,
+                    kinds=dict(zip(part.pinout.keys, part.pinout.labels, strict=False)),
+                    stays_bare=True,
                 )
-        return devices
 
-    def _used_cables(self) -> list[Cable]:
-        cables = []
+    def _used_cables(self) -> Iterator[Cable]:
         for designator, template in self._templates.items():
             part = self._cables.get(template)
             if part is None:
                 continue
+            source = f"line {part.line}"
             for length in dict.fromkeys(part.lengths):
                 if length_m(length) is None:
-                    self.assumptions.add(f"line {part.line}: length {length!r} not understood")
+                    self.assumptions.add(f"{source}: length {length!r} not understood")
             if not part.is_bundle:
-                cables.append(
-                    Cable(
-                        designator,
-                        part.kind,
-                        part.length_m,
-                        part.is_shielded,
-                        source=f"line {part.line}",
-                    )
-                )
-        return cables
+                yield Cable(designator, part.kind, part.length_m, part.is_shielded, source=source)
 
     def _note_unused(self) -> None:
         used = set(self._templates.values())
-        lines = {name: part.line for name, part in self._connectors.items()}
-        lines |= {name: part.line for name, part in self._cables.items()}
-        for name, line in lines.items():
+        for name, part in {**self._connectors, **self._cables}.items():
             if name not in used:
-                self._ignored.append(LeftOut(f"line {line}", f"no connection set names {name}"))
+                self._ignored.append(
+                    LeftOut(f"line {part.line}", f"no connection set names {name}")
+                )
         self._ignored += omitted_parts(self._root)
         for name, connector in self._connectors.items():
             if connector.loops:

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import cycle, islice
 
-from remodel_production.core.imports.documents import Value
+from remodel_production.core.imports.documents import Value, section_of
 from remodel_production.core.imports.values import LeftOut, length_m
 from remodel_production.errors import DesignError
 
@@ -116,7 +116,6 @@ class ConnectorPart:
     pinout: Pinout
     kind: str
     part_number: str
-    is_simple: bool
     loops: int
     line: int
 
@@ -190,7 +189,6 @@ def connector_part(name: str, value: Value) -> ConnectorPart:
         Pinout(what, "pin", tuple(keys), tuple(labels)),
         " ".join(filter(None, (_text(attributes, "type"), _text(attributes, "subtype")))),
         _text(attributes, "mpn") or _text(attributes, "pn"),
-        is_simple,
         loops=len(attributes["loops"].items("loops")) if "loops" in attributes else 0,
         line=value.line,
     )
@@ -290,8 +288,7 @@ def _refuse_doubles(keys: Sequence[str], noun: str, what: str, value: Value) -> 
 def omitted_parts(root: Mapping[str, Value]) -> Iterator[LeftOut]:
     """Yield the parts of a file, such as seals and labels, that no task mounts."""
     for section in ("connectors", "cables"):
-        named = root[section].mapping(section) if section in root else {}
-        for name, value in named.items():
+        for name, value in section_of(root, section).items():
             more = value.mapping(name).get("additional_components")
             for part in more.items("additional_components") if more else []:
                 yield LeftOut(part.where, f"no task mounts {_title(part)} of {name}")
