@@ -12,7 +12,7 @@ from wire_lists import CATALOGUE
 from remodel_production.core.board.board import board_of
 from remodel_production.core.board.panel import panel_of
 from remodel_production.core.imports.qet import import_qet
-from remodel_production.core.production import Role
+from remodel_production.core.production import Component, Role
 from remodel_states.edge.exported_tables import read_wire_materials
 
 HOUSEHOLD = Path("/usr/share/qelectrotech/examples/tableau_domestique.qet")
@@ -180,8 +180,9 @@ def test_a_wire_between_two_sections_has_the_material_that_the_cell_knows():
 
 
 def test_classes_of_devices_are_found_by_part_and_kind():
-    assert CATALOGUE.device_class(Role.DEVICE, "", "breaker").depth_m == 0.090
-    assert CATALOGUE.device_class(Role.CONNECTOR, "", "plug").screw_m is None
+    assert CATALOGUE.device_class(Component("F1", "breaker", ())).depth_m == 0.090
+    plug = Component("X1", "plug", (), role=Role.CONNECTOR)
+    assert CATALOGUE.device_class(plug).screw_m is None
 
 
 @pytest.mark.parametrize(

@@ -271,18 +271,18 @@ class Catalogue:
             and any(fnmatchcase(name, rule.kind) for name in names)
         )
 
-    def device_class(self, role: Role, part_number: str, kind: str) -> DeviceClass:
+    def device_class(self, component: Component) -> DeviceClass:
         """Return the first class that fits a component; the last one of each role fits all.
 
         A joint has the classes of connectors.
         """
-        role = _LISTED.get(role, role)
+        role = _LISTED.get(component.role, component.role)
         return next(
             row
             for row in self.devices
             if row.role is role
-            and fnmatchcase(part_number, row.part)
-            and fnmatchcase(kind, row.kind)
+            and fnmatchcase(component.part_number, row.part)
+            and fnmatchcase(component.kind, row.kind)
         )
 
     def clamp(self, section_mm2: float) -> ClampSize:
@@ -304,11 +304,7 @@ class Catalogue:
 
 
 def catalogue_from(data: Mapping[str, Any], materials: WireMaterials) -> Catalogue:
-    """Build a catalogue.
-
-    Args:
-        data: document in the form of config/catalogue.schema.json.
-        materials: of wires.
+    """Build a catalogue of a document in the form of config/catalogue.schema.json.
 
     Raises:
         CatalogueError: if a role has no rule for terminals of any part.

@@ -135,12 +135,7 @@ class Terminal:
 
 
 def sealed_kind(kind: str, seal: str) -> str:
-    """Return the type of a terminal whose wire end bears a seal: ends with and without differ.
-
-    Args:
-        kind: of the terminal alone.
-        seal: article of the seal.
-    """
+    """Return the type of a terminal whose wire end bears a seal: ends with and without differ."""
     return f"{kind} {_WITH_SEAL} {seal}".strip()
 
 

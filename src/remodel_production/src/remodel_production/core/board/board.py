@@ -8,7 +8,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
-from remodel_production.core.board.cabinet import clamp_pitches, is_cabinet, laid_out, on_plate
+from remodel_production.core.board.cabinet import clamp_pitches, is_cabinet, laid_out
 from remodel_production.core.board.facing import Stand, row_of, too_long
 from remodel_production.core.board.formboard import Point, flattened
 from remodel_production.core.catalogue import CabinetRules, Catalogue, reasons_by_wire
@@ -99,7 +99,7 @@ def _plate(order: Order, catalogue: Catalogue) -> Board:
     nodes = {n.name: n.position[:2] for n in order.nodes if n.position is not None}
     devices, openings = [], {}
     for component in inside.components:
-        if component.pose is None or not on_plate(component):
+        if component.pose is None:
             continue
         x, y, _ = component.pose.position
         # With the terminals of wires that leave the cabinet, too.
@@ -113,7 +113,7 @@ def _plate(order: Order, catalogue: Catalogue) -> Board:
         ]
         rules = catalogue.cabinet
         width = max(2 * (max(reaches, default=0.0) + rules.device_margin), rules.narrowest)
-        part = catalogue.device_class(component.role, component.part_number, component.kind)
+        part = catalogue.device_class(component)
         height = 2 * max((abs(dy) for _, dy, _ in spots.values()), default=part.depth_m / 2)
         devices.append(PlacedDevice(component, (x, y), (round(width, 6), round(height, 6))))
     lines = {s.name: (nodes[s.start], nodes[s.end]) for s in order.segments}
@@ -152,8 +152,7 @@ def _formboard(order: Order, catalogue: Catalogue) -> Board:
             devices.append(device)
             openings.update(of_device)
             continue
-        part = catalogue.device_class(component.role, component.part_number, component.kind)
-        depth = part.depth_m
+        depth = catalogue.device_class(component).depth_m
         size = (max(1, len(component.terminals)) * pitch, depth)
         centre = nodes.get(component.node)
         if centre is None:
@@ -219,9 +218,9 @@ def _standing(
         stand = Stand((x, y), heading)
         row = row_of(components, rules.cavity_pitch, rules.connector_gap)
         for component in components:
-            part = catalogue.device_class(component.role, component.part_number, component.kind)
-            centre = stand.place(row.middles[component.name], part.depth_m / 2)
-            size = (row.widths[component.name], part.depth_m)
+            depth = catalogue.device_class(component).depth_m
+            centre = stand.place(row.middles[component.name], depth / 2)
+            size = (row.widths[component.name], depth)
             refs = [TerminalRef(component.name, terminal.name) for terminal in component.terminals]
             found[component.name] = (
                 PlacedDevice(component, centre, size, stand.turn),

@@ -30,7 +30,6 @@ from remodel_production.core.board.formboard import with_trunk
 from remodel_production.core.catalogue import CabinetRules, Catalogue
 from remodel_production.core.production import (
     Component,
-    Mount,
     Node,
     Order,
     Pose,
@@ -251,8 +250,7 @@ class _Cabinet:
         return self._widths[component.name]
 
     def _depth(self, component: Component) -> float:
-        part = self._catalogue.device_class(component.role, component.part_number, component.kind)
-        return part.depth_m
+        return self._catalogue.device_class(component).depth_m
 
     def _given_rows(self) -> list[_Row]:
         """Return the rows by the places of the design: those at about one height are one row."""
@@ -286,14 +284,17 @@ class _Cabinet:
             rows[-1].append(component)
             filled += own
         height = len(rows) * self._rules.row_pitch
+        left = self._rules.duct.width
         return [
-            _Row(height - (index + 0.5) * self._rules.row_pitch, self._along(members))
+            _Row(height - (index + 0.5) * self._rules.row_pitch, self._along(members, left))
             for index, members in enumerate(rows)
         ]
 
-    def _along(self, members: Sequence[Component]) -> tuple[tuple[Component, float], ...]:
+    def _along(
+        self, members: Sequence[Component], x: float = 0.0
+    ) -> tuple[tuple[Component, float], ...]:
+        """Return components in a row with their centres, from x on [m]."""
         places = []
-        x = self._rules.duct.width
         for component in members:
             width = self._width(component)
             places.append((component, x + width / 2))
@@ -315,7 +316,7 @@ class _Cabinet:
         line = list(self._members)
         best, least = line, math.inf
         for _ in range(_PASSES):
-            place = self._centres(line)
+            place = {component.name: x for component, x in self._along(line)}
             distance = sum(
                 abs(place[wire.a.component] - place[wire.b.component]) for wire in self._wires
             )
@@ -327,15 +328,6 @@ class _Cabinet:
             }
             line = sorted(line, key=lambda c: (place[c.name] + pull.get(c.name, place[c.name])) / 2)
         return best
-
-    def _centres(self, line: Sequence[Component]) -> dict[str, float]:
-        places = {}
-        x = 0.0
-        for component in line:
-            width = self._width(component)
-            places[component.name] = x + width / 2
-            x += width + self._rules.device_gap
-        return places
 
     def _placed(self, component: Component, x: float, y: float) -> Component:
         """Return a component with its own pose and those of its terminals."""
@@ -414,11 +406,6 @@ def device_width(
 def is_cabinet(order: Order) -> bool:
     """Return whether an order has ducts, as `laid_out` makes them."""
     return any(segment.kind is SegmentKind.DUCT for segment in order.segments)
-
-
-def on_plate(component: Component) -> bool:
-    """Return whether a component has a place on the plate."""
-    return component.mount is Mount.PLATE and component.pose is not None
 
 
 def _position(pose: Pose | None) -> Vector:

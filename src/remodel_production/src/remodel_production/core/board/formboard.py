@@ -202,7 +202,7 @@ def with_trunk(order: Order, catalogue: Catalogue) -> Order | None:
         return None
     rules = catalogue.formboard
     wired = [c for c in order.in_cabinet().components if c.name in is_left]
-    depths = {c.name: catalogue.device_class(c.role, c.part_number, c.kind).depth_m for c in wired}
+    depths = {c.name: catalogue.device_class(c).depth_m for c in wired}
     facing = placed(wired, is_left, order.wires, depths, rules)
     forks = _forks(facing, order.wires, rules)
     # The first row is on the right of the board: on the left as the robot sees it.

@@ -224,7 +224,7 @@ class _Maker:
 
     def _device(self, device: PlacedDevice, label: int) -> PanelDevice:
         component = device.component
-        part = self._catalogue.device_class(component.role, component.part_number, component.kind)
+        part = self._catalogue.device_class(component)
         width, depth = device.size
         room = min(width, depth) / (1 + 2 * _LABEL_MARGIN)
         return PanelDevice(
