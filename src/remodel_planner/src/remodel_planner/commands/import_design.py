@@ -8,7 +8,6 @@ import re
 from collections import Counter
 from contextlib import closing
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 
 from remodel_planner.commands.options.common import add_database_option, refuses, stages
@@ -170,7 +169,8 @@ def _read(options: argparse.Namespace, name: str, catalogue: Catalogue) -> Impor
             if form.read_modules is None:
                 option = "--module" if options.module else "--variant"
                 raise _unfit(option, form, [each for each in formats if each.read_modules])
-            form = replace(form, read=partial(form.read_modules, asked=asked))
+            read = form.read_modules
+            form = replace(form, read=lambda *given: read(*given, asked))
         imported = import_design(data, form, name, file.name, catalogue)
     except DesignError as error:
         raise DesignError(f"{file}: {error}{parts}") from error

@@ -14,20 +14,14 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
-from typing import TypeVar
+from typing import ParamSpec, TypeVar
 
 import rospkg
 import yaml
 
 from remodel_production.core.catalogue import Catalogue, catalogue_from
 from remodel_production.core.imports.assembly import with_placement
-from remodel_production.core.imports.design_format import (
-    Asked,
-    DesignFile,
-    DesignFormat,
-    Join,
-    ReadModules,
-)
+from remodel_production.core.imports.design_format import DesignFormat
 from remodel_production.core.imports.documents import decode
 from remodel_production.core.imports.formats import built_in_formats
 from remodel_production.core.imports.values import Imported
@@ -150,22 +144,18 @@ def read_placement(file: Path | None, catalogue: Catalogue) -> Catalogue:
 
 def _read_mapping(file: Path) -> WireListMapping:
     data = read_design(file)
-    try:
+    with blamed(file):
         return mapping_from(decode(data)[0])
-    except DesignError as error:
-        raise DesignError(f"{file}: {error}") from error
 
 
 GROUP = "remodel_production.importers"
 
+_Given = ParamSpec("_Given")
 _Result = TypeVar("_Result")
 
 
 def design_formats(mappings: Sequence[WireListMapping]) -> tuple[DesignFormat, ...]:
     """Return the formats of this package, then those of plug-ins in the order of their names.
-
-    Args:
-        mappings: of the wire lists that are known.
 
     Raises:
         DesignError: naming the entry point that cannot be loaded, is no DesignFormat, or has the
@@ -187,68 +177,52 @@ def design_formats(mappings: Sequence[WireListMapping]) -> tuple[DesignFormat, .
 def _load(point: EntryPoint) -> DesignFormat:
     """Return the format of an entry point, whose errors are reported with the plug-in's name."""
     with blamed(_where(point)):
-        loaded: object = _guarded(point, point.load)
+        loaded: object = _guarded(point, point.load)()
     if not isinstance(loaded, DesignFormat):
         raise DesignError(
             f"{_where(point)}: {type(loaded).__name__} found; needed: a DesignFormat "
             "(remodel_production.core.imports.design_format)"
         )
 
-    def fits(file: DesignFile) -> bool:
-        return _guarded(point, lambda: loaded.fits(file))
-
-    def read(data: bytes, name: str, source: str, catalogue: Catalogue) -> Imported:
-        return _imported(point, lambda: loaded.read(data, name, source, catalogue))
-
     return replace(
         loaded,
-        fits=fits,
-        read=read,
-        read_modules=_modules_reader(point, loaded.read_modules),
-        join=_joiner(point, loaded.join),
+        fits=_guarded(point, loaded.fits),
+        read=_reader(point, loaded.read),
+        read_modules=loaded.read_modules and _reader(point, loaded.read_modules),
+        join=loaded.join and _guarded(point, loaded.join),
     )
 
 
-def _modules_reader(point: EntryPoint, read: ReadModules | None) -> ReadModules | None:
-    """Return what reads modules, whose errors are reported with the plug-in's name."""
-    if read is None:
-        return None
+def _reader(point: EntryPoint, read: Callable[_Given, object]) -> Callable[_Given, Imported]:
+    """Return a guarded function that returns an import."""
 
-    def read_modules(
-        data: bytes, name: str, source: str, catalogue: Catalogue, asked: Asked
-    ) -> Imported:
-        return _imported(point, lambda: read(data, name, source, catalogue, asked))
+    def reading(*given: _Given.args, **named: _Given.kwargs) -> Imported:
+        imported = _guarded(point, read)(*given, **named)
+        if not isinstance(imported, Imported):
+            raise DesignError(
+                f"{_where(point)}: its `read` returned {type(imported).__name__}; needed: an "
+                "Imported (remodel_production.core.imports.values)"
+            )
+        return imported
 
-    return read_modules
-
-
-def _joiner(point: EntryPoint, join: Join | None) -> Join | None:
-    """Return what joins files, whose errors are reported with the plug-in's name."""
-    if join is None:
-        return None
-    return lambda before, data: _guarded(point, lambda: join(before, data))
+    return reading
 
 
-def _imported(point: EntryPoint, call: Callable[[], object]) -> Imported:
-    imported = _guarded(point, call)
-    if not isinstance(imported, Imported):
-        raise DesignError(
-            f"{_where(point)}: its `read` returned {type(imported).__name__}; needed: an "
-            "Imported (remodel_production.core.imports.values)"
-        )
-    return imported
+def _guarded(point: EntryPoint, call: Callable[_Given, _Result]) -> Callable[_Given, _Result]:
+    """Return a function whose errors are reported with the plug-in's name."""
 
+    def guarded(*given: _Given.args, **named: _Given.kwargs) -> _Result:
+        try:
+            return call(*given, **named)
+        except PlannerError:
+            raise
+        except Exception as error:
+            raise DesignError(
+                f"{_where(point)}: {type(error).__name__}: {error}; correct the plug-in, or "
+                "uninstall it"
+            ) from error
 
-def _guarded(point: EntryPoint, call: Callable[[], _Result]) -> _Result:
-    try:
-        return call()
-    except PlannerError:
-        raise
-    except Exception as error:
-        raise DesignError(
-            f"{_where(point)}: {type(error).__name__}: {error}; correct the plug-in, or uninstall "
-            "it"
-        ) from error
+    return guarded
 
 
 def _where(point: EntryPoint) -> str:

@@ -123,22 +123,14 @@ class CellOwnership:
             return Owned(row.token + 1)
 
     def renew(self, token: int) -> bool:
-        """Keep the cell for another lease; False if it was released or has another owner now.
-
-        Args:
-            token: of the ownership.
-        """
+        """Keep the cell for another lease; False if it was released or has another owner now."""
         with self._database.transaction() as connection:
             until = database_time_s(connection) + self.lease_s
             asked = {"cell": self._cell, "owner": token, "until": until}
             return bool(connection.execute(_RENEW, asked).rowcount)
 
     def release(self, token: int) -> None:
-        """End the lease now; nothing happens if the cell has another owner.
-
-        Args:
-            token: of the ownership.
-        """
+        """End the lease now; nothing happens if the cell has another owner."""
         with self._database.transaction() as connection:
             connection.execute(_RELEASE, {"cell": self._cell, "owner": token})
 

@@ -32,11 +32,6 @@ _FLOOR = "(restored)"
 def back_up(url: str, file: Path, *, replace: bool = False) -> None:
     """Write a backup of a database that may be in use.
 
-    Args:
-        url: of the database.
-        file: to write.
-        replace: write over a file that is there.
-
     Raises:
         BackupError: if there is no such database, the file is there, or cannot be written.
     """
@@ -173,11 +168,7 @@ def _restore_sqlite(file: Path, database: Path) -> None:
 
 
 def _without_owners(cells: str) -> tuple[str, ...]:
-    """Return statements after which no cell has an owner, and all tokens to come are new.
-
-    Args:
-        cells: name of the table.
-    """
+    """Return statements after which no cell has an owner, and all tokens to come are new."""
     floor = int(time.time())
     return (
         f"DELETE FROM {cells} WHERE name = '{_FLOOR}'",

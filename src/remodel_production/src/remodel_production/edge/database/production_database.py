@@ -12,6 +12,7 @@ import sqlite3
 import zlib
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import asdict
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -47,7 +48,7 @@ from remodel_production.edge.database.production_rows import (
     order_of_row,
     preferences_of_rows,
 )
-from remodel_production.errors import LostError, OrderError, RecordLostError
+from remodel_production.errors import LostError, OrderError, RecordLostError, blamed
 from remodel_run.rehearsal import Rehearsal
 from remodel_states.edge.write_ahead import write_ahead
 
@@ -171,19 +172,16 @@ class ProductionDatabase:
         Raises:
             OrderError: if there is no database at the URL, or a newer program has made it.
         """
-        try:
-            self._engine = _engine(url)
-            with self._begun("DEFERRED") as connection:
-                is_newest = version_of(connection) == NEWEST
-            if not is_newest:
-                with self._begun("IMMEDIATE") as connection:
-                    upgrade(connection)
-        except OrderError as error:
-            raise OrderError(f"database {_shown(url)}: {error}") from error
-        except RecordLostError as error:
-            raise RecordLostError(f"database {_shown(url)}: {error}") from error
-        except (SQLAlchemyError, ImportError) as error:
-            raise OrderError(f"database {_shown(url)}: {str(error).splitlines()[0]}") from error
+        with blamed(f"database {_shown(url)}"):
+            try:
+                self._engine = _engine(url)
+                with self._begun("DEFERRED") as connection:
+                    is_newest = version_of(connection) == NEWEST
+                if not is_newest:
+                    with self._begun("IMMEDIATE") as connection:
+                        upgrade(connection)
+            except (SQLAlchemyError, ImportError) as error:
+                raise OrderError(str(error).splitlines()[0]) from error
 
     def close(self) -> None:
         """Close the connections to the database."""
@@ -212,11 +210,7 @@ class ProductionDatabase:
             _set_abilities(connection, abilities)
 
     def order(self, name: str) -> Order:
-        """Return an order.
-
-        Raises:
-            OrderError: if there is none of that name.
-        """
+        """Return an order; OrderError if there is none of that name."""
         with self.reading() as connection:
             return order_of_row(connection, order_row(connection, name))
 
@@ -235,11 +229,7 @@ class ProductionDatabase:
             return preferences_of_rows(connection, order_row(connection, name).id)
 
     def set_preferences(self, name: str, document: object) -> None:
-        """Store an order's preferences in place of those that it has.
-
-        Args:
-            name: of the order.
-            document: parsed; None for none.
+        """Store an order's preferences, parsed, in place of those that it has; None for none.
 
         Raises:
             OrderError: if there is no order of that name, or the document has no sections.
@@ -382,13 +372,7 @@ def _set_abilities(connection: Connection, abilities: Sequence[Ability]) -> None
         values = {"name": ability.name, "description": ability.description}
         (number,) = connection.execute(insert(AbilityRow), values).inserted_primary_key
         parameters = [
-            {
-                "ability_id": number,
-                "position": position,
-                "name": parameter.name,
-                "type": parameter.type,
-                "description": parameter.description,
-            }
+            {"ability_id": number, "position": position, **asdict(parameter)}
             for position, parameter in enumerate(ability.parameters)
         ]
         if parameters:

@@ -155,6 +155,11 @@ def _number(comment: str) -> Column:
     return Column(Float, nullable=True, comment=f"{comment}; null if it is not known")
 
 
+def _numbers(count: int, comment: str) -> tuple[Column, ...]:
+    """Return the columns of a place, a direction or an orientation."""
+    return tuple(_number(comment) for _ in range(count))
+
+
 def _table(comment: str, *constraints: object) -> tuple[object, ...]:
     return (*constraints, {"comment": comment})
 
@@ -189,9 +194,7 @@ class NodeRow(Base):
     id = _key()
     product_id = _of("products.id", "that the node is of")
     name = _text("unique in the product")
-    x_m = _number("[m] place in the product's frame")
-    y_m = _number("[m] place in the product's frame")
-    z_m = _number("[m] place in the product's frame")
+    x_m, y_m, z_m = _numbers(3, "[m] place in the product's frame")
 
 
 class SegmentRow(Base):
@@ -229,9 +232,7 @@ class ClipRow(Base):
     segment_id = _of("segments.id", "that it sits on; null if at a node", optional=True)
     along = Column(Float, nullable=False, comment="place on the segment, 0 at its start to 1")
     node_id = _of("nodes.id", "that it sits at; null if on a segment", optional=True)
-    x_m = _number("[m] place in the product's frame")
-    y_m = _number("[m] place in the product's frame")
-    z_m = _number("[m] place in the product's frame")
+    x_m, y_m, z_m = _numbers(3, "[m] place in the product's frame")
 
 
 class ComponentRow(Base):
@@ -249,13 +250,8 @@ class ComponentRow(Base):
     part_number = _text("of its article; empty if it is not known")
     mount = _text("plate (of the cabinet, or the board), door (of the cabinet) or outside")
     node_id = _of("nodes.id", "of the routes at which it sits; null if at none", optional=True)
-    x_m = _number("[m] place in the product's frame")
-    y_m = _number("[m] place in the product's frame")
-    z_m = _number("[m] place in the product's frame")
-    qx = _number("unit quaternion of its frame in the product's")
-    qy = _number("unit quaternion of its frame in the product's")
-    qz = _number("unit quaternion of its frame in the product's")
-    qw = _number("unit quaternion of its frame in the product's")
+    x_m, y_m, z_m = _numbers(3, "[m] place in the product's frame")
+    qx, qy, qz, qw = _numbers(4, "unit quaternion of its frame in the product's")
 
 
 class TerminalRow(Base):
@@ -274,16 +270,11 @@ class TerminalRow(Base):
     side = _text("top or bottom, on which it opens as drawn")
     point = _text("of the drawing that it shares with other terminals; empty if with none")
     kind = _text("its type, such as the article of the contact; empty if it is not known")
-    x_m = _number("[m] place of its opening in the component's frame")
-    y_m = _number("[m] place of its opening in the component's frame")
-    z_m = _number("[m] place of its opening in the component's frame")
-    qx = _number("unit quaternion of its frame in the component's")
-    qy = _number("unit quaternion of its frame in the component's")
-    qz = _number("unit quaternion of its frame in the component's")
-    qw = _number("unit quaternion of its frame in the component's")
-    approach_x = _number("unit vector by which an end goes in, component's frame")
-    approach_y = _number("unit vector by which an end goes in, component's frame")
-    approach_z = _number("unit vector by which an end goes in, component's frame")
+    x_m, y_m, z_m = _numbers(3, "[m] place of its opening in the component's frame")
+    qx, qy, qz, qw = _numbers(4, "unit quaternion of its frame in the component's")
+    approach_x, approach_y, approach_z = _numbers(
+        3, "unit vector by which an end goes in, component's frame"
+    )
     clearance_m = _number("[m] that a gripper needs around the opening")
     insertion_force_limit_n = _number("[N] that an insertion must not exceed")
 

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterable, Mapping
+from dataclasses import asdict
 from typing import Any
 
 from sqlalchemy import insert, select
@@ -70,7 +71,7 @@ def add_order_rows(connection: Connection, order: Order) -> int:
     _add(connection, SegmentRow, (_segment_row(s, nodes, of) for s in order.segments))
     segments = _numbers(connection, SegmentRow, product)
     _add(connection, ClipRow, (_clip_row(clip, segments, nodes, of) for clip in order.clips))
-    _add(connection, CableRow, (_cable_row(cable, of) for cable in order.cables))
+    _add(connection, CableRow, ({**asdict(cable), **of} for cable in order.cables))
     cables = _numbers(connection, CableRow, product)
     _add(connection, ComponentRow, (_component_row(c, nodes, of) for c in order.components))
     components = _numbers(connection, ComponentRow, product)
@@ -237,17 +238,6 @@ def _clip_row(
         "along": clip.along,
         "node_id": nodes.get(clip.node),
         **_at(clip.position),
-        **of,
-    }
-
-
-def _cable_row(cable: Cable, of: _Columns) -> _Columns:
-    return {
-        "name": cable.name,
-        "kind": cable.kind,
-        "length_m": cable.length_m,
-        "shielded": cable.shielded,
-        "source": cable.source,
         **of,
     }
 
