@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 import time
+from dataclasses import fields
 from typing import Any
 
 import actionlib
@@ -190,20 +191,6 @@ def _instantiation(state: StateInstantiation) -> Instantiation:
     conditions = (
         tuple(zip(c.state_name, c.state_outcome, strict=True)) for c in state.cond_transition
     )
-    return Instantiation(
-        state_path=state.state_path,
-        state_class=state.state_class,
-        initial_state_name=state.initial_state_name,
-        input_keys=tuple(state.input_keys),
-        output_keys=tuple(state.output_keys),
-        cond_outcome=tuple(state.cond_outcome),
-        cond_transition=tuple(conditions),
-        behavior_class=state.behavior_class,
-        parameter_names=tuple(state.parameter_names),
-        parameter_values=tuple(state.parameter_values),
-        outcomes=tuple(state.outcomes),
-        transitions=tuple(state.transitions),
-        autonomy=tuple(state.autonomy),
-        userdata_keys=tuple(state.userdata_keys),
-        userdata_remapping=tuple(state.userdata_remapping),
-    )
+    values = {each.name: getattr(state, each.name) for each in fields(Instantiation)}
+    given = {name: v if isinstance(v, str) else tuple(v) for name, v in values.items()}
+    return Instantiation(**given | {"cond_transition": tuple(conditions)})

@@ -35,12 +35,6 @@ from remodel_console.session import Session
 _LEVEL = 1  # of autonomy when attaching without one: the FlexBE App's first, Low
 _ANSWER_S = 5.0  # in which an engine that runs acknowledges a command
 _POLL_S = 0.02
-_WORDS = {
-    Verb.ATTACH: "attach",
-    Verb.LOCK: "lock",
-    Verb.UNLOCK: "unlock",
-    Verb.SWITCH: "switch",
-}
 _SWITCHED = "prepared"  # the last phase that the engine publishes of a switch that works
 _LAST_PHASES = ([_SWITCHED], ["failed"], ["not_switchable"])
 
@@ -48,7 +42,7 @@ _LAST_PHASES = ([_SWITCHED], ["failed"], ["not_switchable"])
 class Runtime:
     """Sends commands to the engine and waits until it has taken them."""
 
-    VERBS = tuple(_WORDS)
+    VERBS = (Verb.ATTACH, Verb.LOCK, Verb.UNLOCK, Verb.SWITCH)
 
     def __init__(self, steering: Steering) -> None:
         self._steering = steering
@@ -63,10 +57,10 @@ class Runtime:
         Raises:
             CommandError: if it cannot be sent, is not acknowledged, or did not work.
         """
-        word, given = _WORDS[command.verb], command.given
         if command.verb is Verb.SWITCH:
             return self._switch()
-        args = self._acknowledged(word, lambda: self._send(command.verb, given))
+        word = command.verb.name.lower()
+        args = self._acknowledged(word, lambda: self._send(command.verb, command.given))
         return f"acknowledged: {word} {' '.join(args)}".rstrip()
 
     def _acknowledged(self, word: str, send: Callable[[], None]) -> list[str]:
@@ -221,20 +215,12 @@ class InputServer:
         self._server.start()
 
     def answer(self, number: int, literal: str) -> None:
-        """Send the text of a literal as the value.
-
-        Raises:
-            CommandError: if the request is no longer open.
-        """
+        """Send the text of a literal as the value; see `console.Inputs`."""
         result = BehaviorInputResult(BehaviorInputResult.RESULT_OK, literal)
         self._take(number).set_succeeded(result, "answered by an operator")
 
     def refuse(self, number: int) -> None:
-        """Enter no value: the state ends with `aborted`.
-
-        Raises:
-            CommandError: if the request is no longer open.
-        """
+        """Enter no value: the state ends with `aborted`; see `console.Inputs`."""
         result = BehaviorInputResult(BehaviorInputResult.RESULT_ABORTED, "")
         self._take(number).set_succeeded(result, "an operator entered no value")
 

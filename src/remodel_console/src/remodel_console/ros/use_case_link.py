@@ -7,8 +7,10 @@ import time
 import uuid
 from collections.abc import Callable, Iterator
 from dataclasses import fields
+from typing import TypeVar
 
 import actionlib
+import genpy
 import rospy
 from actionlib_msgs.msg import GoalStatus
 from remodel_msgs import msg, srv
@@ -32,28 +34,32 @@ from remodel_console.ros.calls import LIMIT_S, call_service
 from remodel_run.progress import Answer, Count, HandWire, Phase, Sums, TaskPhase
 from remodel_run.record import Entry, Kind, Statistics
 
+T = TypeVar("T")
+
+
+def _like(kind: type[T], message: genpy.Message, **own: object) -> T:
+    """Return a dataclass of a message: its fields have the message's values of their names.
+
+    `own` has the values of the fields that the message spells otherwise, or not at all.
+    """
+    same = {each.name for each in fields(kind)} - own.keys()
+    return kind(**{name: getattr(message, name) for name in same}, **own)
+
 
 def use_case_of(message: msg.UseCaseState, copy: TaskCopy) -> UseCase:
     """Return the run of a state, with the tasks and failures of a copy if it is of this run."""
     has_tasks = copy.series == message.series
-    return UseCase(
+    return _like(
+        UseCase,
+        message,
         phase=Phase(message.phase),
         stamp_s=message.stamp.to_sec(),
-        message=message.message,
-        cell=message.cell,
-        run=message.run,
-        order=message.order,
-        use_case=message.use_case,
-        serial=message.serial,
         started_s=message.started.to_sec(),
-        interruptions=message.interruptions,
-        stopped_by=message.stopped_by,
         controllers=tuple(message.controllers),
         sums=sums_of(message.sums),
         by_hand=copy.by_hand if has_tasks else (),
         tasks=copy.in_order if has_tasks else (),
-        task=message.task,
-        levels=tuple(Level(m.level, m.name, m.doing, m.since.to_sec()) for m in message.levels),
+        levels=tuple(_like(Level, m, since_s=m.since.to_sec()) for m in message.levels),
         failures=copy.failures if has_tasks else (),
         question=_question(message.question) if message.question.number else None,
     )
@@ -61,81 +67,41 @@ def use_case_of(message: msg.UseCaseState, copy: TaskCopy) -> UseCase:
 
 def changes_of(message: msg.UseCaseChanges) -> Changes:
     """Return what has changed in the tasks."""
-    return Changes(
-        message.series,
-        message.number,
-        tuple(map(_task, message.tasks)),
-        tuple(map(_failure, message.failures)),
-        replanned=message.replanned,
-    )
+    return _like(Changes, message, **_tasks_of(message))
 
 
 def snapshot_of(answer: srv.GetTasksResponse) -> Snapshot:
     """Return all tasks."""
-    return Snapshot(
-        answer.series,
-        answer.number,
-        tuple(map(_task, answer.tasks)),
-        tuple(map(_failure, answer.failures)),
-        tuple(map(_hand_wire, answer.by_hand)),
+    by_hand = (
+        _like(HandWire, each, section_mm2=each.section, length_m=each.length)
+        for each in answer.by_hand
     )
+    return _like(Snapshot, answer, by_hand=tuple(by_hand), **_tasks_of(answer))
 
 
 def sums_of(message: msg.RunSums) -> Sums:
     """Return the sums of a run."""
-    return Sums(**{each.name: getattr(message, each.name) for each in fields(Sums)})
-
-
-def _hand_wire(message: msg.HandWire) -> HandWire:
-    return HandWire(
-        name=message.name,
-        marker=message.marker,
-        a=message.a,
-        b=message.b,
-        colour=message.colour,
-        section_mm2=message.section,
-        length_m=message.length,
-        reason=message.reason,
-    )
+    return _like(Sums, message)
 
 
 def _question(message: msg.OperatorQuestion) -> Question:
     known = {choice.value: choice for choice in Answer}
-    return Question(
-        number=message.number,
-        task=message.task,
-        text=message.text,
+    return _like(
+        Question,
+        message,
         choices=tuple(known[one] for one in message.choices if one in known),
         asked_s=message.asked.to_sec(),
         timeout_s=message.timeout,
     )
 
 
-def _task(message: msg.TaskState) -> Task:
-    return Task(
-        name=message.name,
-        description=message.description,
-        phase=TaskPhase(message.state),
-        attempts=message.attempts,
-        first_pass=message.first_pass,
-        taken_s=message.taken_s,
-        expected_s=message.expected_s,
-        cable=message.cable,
-        counts_as=Count(message.counts_as),
+def _tasks_of(message: msg.UseCaseChanges | srv.GetTasksResponse) -> dict[str, object]:
+    tasks = (
+        _like(Task, each, phase=TaskPhase(each.state), counts_as=Count(each.counts_as))
+        for each in message.tasks
     )
-
-
-def _failure(message: msg.FailureState) -> Failure:
-    return Failure(
-        time_s=message.stamp.to_sec(),
-        task=message.task,
-        fault=message.fault,
-        error_code=message.error_code,
-        ability=message.ability,
-        text=message.text,
-        decision=message.decision,
-        because=message.because,
-    )
+    failures = (_like(Failure, each, time_s=each.stamp.to_sec()) for each in message.failures)
+    return {"tasks": tuple(tasks), "failures": tuple(failures)}
 
 
 # [s] wall time in which changes that a state announces arrive on their own topic; and between two
@@ -228,22 +194,18 @@ _KINDS = {kind.value: kind for kind in Kind}
 
 
 class RecordLink:
-    """Asks for runs and their records."""
+    """Asks for runs and their records; each call raises CommandError if no node serves them."""
 
     def runs(self) -> tuple[Summary, ...]:
-        """Return the recorded runs, the latest first; see `call_service` for errors."""
+        """Return the recorded runs, the latest first."""
         return tuple(map(summary_of, self._list().runs))
 
     def orders(self) -> tuple[str, ...]:
-        """Return the names of all orders; see `call_service` for errors."""
+        """Return the names of all orders."""
         return tuple(self._list().orders)
 
     def statistics(self, order: str) -> Statistics:
-        """Return the statistics of an order's runs; of an empty name: of all runs.
-
-        Raises:
-            CommandError: if no node serves them.
-        """
+        """Return the statistics of an order's runs; of an empty name: of all runs."""
         name = f"{topics.RUN_COMMANDS}/statistics"
         answer = call_service(name, srv.GetStatistics, srv.GetStatisticsRequest(order))
         if not answer.success:
@@ -258,19 +220,11 @@ class RecordLink:
         )
 
     def record(self, run: int) -> Record:
-        """Return the record of a run, without its pictures.
-
-        Raises:
-            CommandError: if no node serves it.
-        """
+        """Return the record of a run, without its pictures."""
         return Record(tuple(self._entries(run)))
 
     def picture(self, run: int, position: int) -> bytes:
-        """Return the picture of an entry, as jpeg or png.
-
-        Raises:
-            CommandError: if there is none.
-        """
+        """Return the picture of an entry, as jpeg or png; none is an error, too."""
         answer = _get(srv.GetRunRequest(run, position, 1, True))
         if not answer.entries or not answer.entries[0].has_picture:
             raise CommandError(f"entry {position} of run {run} has no picture")
@@ -303,39 +257,29 @@ def _get(request: srv.GetRunRequest) -> srv.GetRunResponse:
 
 def summary_of(message: msg.RunSummary) -> Summary:
     """Return a run as a list of runs shows it."""
-    return Summary(
-        run=message.run,
-        order=message.order,
-        use_case=message.use_case,
-        cell=message.cell,
+    return _like(
+        Summary,
+        message,
         started_s=message.started.to_sec(),
         has_ended=message.ended,
         is_success=message.success,
-        message=message.message,
         sums=sums_of(message.sums),
     )
 
 
 def _entry(message: msg.RunEntry) -> Entry:
     if message.kind not in _KINDS:
-        text = (
+        raise CommandError(
             f"entry {message.position} is of the kind '{message.kind}', which is not known here; "
+            f"known are {', '.join(_KINDS)}"
         )
-        raise CommandError(f"{text}known are {', '.join(_KINDS)}")
-    return Entry(
-        position=message.position,
+    return _like(
+        Entry,
+        message,
         time_s=message.stamp.to_sec(),
         kind=_KINDS[message.kind],
-        task=message.task,
-        behavior=message.behavior,
-        state_path=message.state_path,
-        ability=message.ability,
-        fault=message.fault,
-        error_code=message.error_code,
-        text=message.text,
-        because=message.because,
         values=tuple(zip(message.names, message.values, strict=False)),
-        has_picture=message.has_picture,
+        state="",
     )
 
 
@@ -358,18 +302,7 @@ class UseCaseLink:
         return self._run.is_there
 
     def run(self, order: str, tasks: int, by: str, *, again: bool, use_case: str = "") -> str:
-        """Start an order, and return what the supervisor says.
-
-        Args:
-            order: its name.
-            tasks: how many of its tasks, from the first; 0 for all.
-            by: who starts it.
-            again: do those too that are done, on an empty panel.
-            use_case: by which it is done; empty: the supervisor's default.
-
-        Raises:
-            CommandError: if there is no supervisor, or it refuses.
-        """
+        """Start an order, and return when it is accepted; see `console.Supervisor`."""
         if not is_heard(self._client.pub_goal):
             raise CommandError("no use case supervisor is running to take the order")
         decided = threading.Event()
@@ -430,13 +363,7 @@ class UseCaseLink:
 
     @staticmethod
     def _command(name: str, kind: type, request: object, limit_s: float = LIMIT_S) -> str:
-        """Give a command and return the supervisor's answer.
-
-        Args:
-            name: of the service.
-            kind: of the service.
-            request: to it.
-            limit_s: wall time in which it answers [s].
+        """Give a command and return the supervisor's answer; see `call_service`.
 
         Raises:
             CommandError: if it cannot be given, or is refused.
