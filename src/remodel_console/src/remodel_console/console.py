@@ -8,7 +8,7 @@ import re
 import threading
 import time
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from typing import Protocol
 
 from flexbe_synthesizer.core.chart.model import Chart
@@ -106,10 +106,14 @@ class Recorder(Protocol):
         """Return the picture of an entry, as jpeg or png."""
 
 
+@dataclass(eq=False)
 class Console:
     """Everything that a page needs.
 
     Attributes:
+        own_database: URL of the production database; empty if the console was given none. While
+            `everything` runs, that of its own is used.
+        users: None: everybody on this computer may do everything.
         pictures: the newest ones of the cell's cameras.
         scene: the cell in three dimensions.
         meshes: of its robots, and of those in recordings.
@@ -128,57 +132,37 @@ class Console:
         too_large: why files in the chart folders are not opened, by their names.
     """
 
-    def __init__(
-        self,
-        door: Door,
-        desk: Desk,
-        live: Live,
-        sessions: Sessions,
-        workspace: Workspace,
-        catalogue: Catalogue,
-        settings: SettingsFile,
-        scenes: SceneFiles,
-        drafts: OrderDrafts,
-        hand_wires: HandWires,
-        database: str,
-        everything: Everything,
-        users: UsersFile | None = None,
-    ) -> None:
-        """Join the parts.
+    door: Door
+    desk: Desk
+    live: Live
+    sessions: Sessions
+    workspace: Workspace
+    catalogue: Catalogue
+    settings: SettingsFile
+    scenes: SceneFiles
+    drafts: OrderDrafts
+    hand_wires: HandWires
+    own_database: str
+    everything: Everything
+    users: UsersFile | None = None
+    pictures: Pictures = field(default_factory=Pictures)
+    scene: Scene = field(default_factory=Scene)
+    meshes: Meshes = field(default_factory=Meshes)
+    values: RunValues = field(default_factory=RunValues)
+    plots: TopicPlots = field(default_factory=TopicPlots)
+    supervisor: Supervisor | None = None
+    recorder: Recorder | None = None
+    inputs: Inputs | None = None
+    reset_cell: Callable[[], str] | None = None
+    names: tuple[str, ...] = ()
+    generated: frozenset[str] = frozenset()
+    too_large: dict[str, str] = field(default_factory=dict)
+    _decisions_of: int = 0  # checksum of the behavior whose decisions were searched for last
 
-        `database` is the URL of the production database; empty if the console was given none. While
-        `everything` runs, that of its own is used. A console without `users` lets everybody on this
-        computer do everything.
-        """
-        self.door = door
-        self.desk = desk
-        self.live = live
-        self.sessions = sessions
-        self.workspace = workspace
-        self.catalogue = catalogue
-        self.settings = settings
-        self.drafts = drafts
-        self.hand_wires = hand_wires
-        hand_wires.on_change = live.refresh
-        live.on_hand_wires = hand_wires.keep
-        self._database = database
-        self.everything = everything
-        self._users = users
-        self.steering = Steering(live, sessions.commands, catalogue)
-        self.pictures = Pictures()
-        self.scene = Scene()
-        self.meshes = Meshes()
-        self.scenes = scenes
-        self.values = RunValues()
-        self.plots = TopicPlots()
-        self.supervisor: Supervisor | None = None
-        self.recorder: Recorder | None = None
-        self.inputs: Inputs | None = None
-        self.reset_cell: Callable[[], str] | None = None
-        self.names: tuple[str, ...] = ()
-        self.generated: frozenset[str] = frozenset()
-        self.too_large: dict[str, str] = {}
-        self._decisions_of = 0  # checksum of the behavior whose decisions were searched for last
+    def __post_init__(self) -> None:
+        self.hand_wires.on_change = self.live.refresh
+        self.live.on_hand_wires = self.hand_wires.keep
+        self.steering = Steering(self.live, self.sessions.commands, self.catalogue)
 
     @property
     def session(self) -> Session:
@@ -188,7 +172,7 @@ class Console:
     @property
     def database(self) -> str:
         """Return the URL of the production database; empty without one."""
-        return self.everything.database if self.everything.is_running else self._database
+        return self.everything.database if self.everything.is_running else self.own_database
 
     @property
     def shown_database(self) -> str:
@@ -274,9 +258,9 @@ class Console:
 
     def role_of(self, user: User) -> Role:
         """Return what a user may do now."""
-        if self._users is None:
+        if self.users is None:
             return user.role
-        account = self._users.account(user.name)
+        account = self.users.account(user.name)
         return account.role if account else Role.WATCHER
 
     def store(self, draft: OrderDraft, name: str) -> str:

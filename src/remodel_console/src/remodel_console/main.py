@@ -81,7 +81,7 @@ def main(arguments: Sequence[str]) -> int:
         settings=settings,
         drafts=drafts,
         hand_wires=hand_wires,
-        database=options.database,
+        own_database=options.database,
         everything=everything,
         users=users,
         scenes=SceneFiles(Path(options.scenes).expanduser()),

@@ -30,6 +30,7 @@ from remodel_console.core.server_states import ServerRequest, chart_from_states
 from remodel_console.core.settings import Settings
 from remodel_console.edge.workspace import Workspace
 from remodel_console.errors import ChartErrorsError, CommandError
+from remodel_run.whole_task import counted
 
 _MOST_UNDONE = 200  # changes that can be taken back
 Drafts = tuple[Draft, ...]
@@ -136,7 +137,7 @@ class Session:
                 draft = self._drafted()
                 file = self._workspace.keep(draft)
                 self._kept_text = draft.text
-                errors = f"{error.count} error{'s' * (error.count > 1)}"
+                errors = counted(error.count, "error")
                 return f"kept '{draft.chart.name}' as a draft, which has {errors}: {file}"
 
     def carry_out(self, command: Command) -> str:

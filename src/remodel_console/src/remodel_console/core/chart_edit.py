@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import TypeVar
 
@@ -45,14 +45,9 @@ def node_at(chart: Chart, path: Path) -> AnyNode | None:
 def unused_id(scope: Chart, wanted: str) -> str:
     """Return an id that nothing in the scope has yet."""
     taken = {node.id for node in scope.nodes} | {outcome.name for outcome in scope.outcomes}
-    return unused(wanted, taken, " ")
-
-
-def unused(wanted: str, taken: Collection[str], mark: str) -> str:
-    """Return a name that is not taken: the one wanted, or that with a mark and a number."""
     number, found = 2, wanted
     while found in taken:
-        found, number = f"{wanted}{mark}{number}", number + 1
+        found, number = f"{wanted} {number}", number + 1
     return found
 
 

@@ -17,8 +17,8 @@ from flexbe_synthesizer.core.chart.model import (
     Point,
     Transition,
 )
-from flexbe_synthesizer.core.chart.names import snake_case
-from remodel_console.core.chart_edit import node_at, renamed, unused, unused_id, with_node
+from flexbe_synthesizer.core.chart.names import snake_case, take_unused
+from remodel_console.core.chart_edit import node_at, renamed, unused_id, with_node
 from remodel_console.core.editing import Path, container_at, with_targets
 from remodel_console.errors import CommandError
 
@@ -158,7 +158,7 @@ class _Ends:
             return target
         if target not in self.names:
             taken = {*self._inside, *self.names.values()}
-            self.names[target] = unused(snake_case(target), taken, "_")
+            self.names[target] = take_unused(snake_case(target), taken)
         return self.names[target]
 
 
@@ -178,7 +178,7 @@ def _flow(scope: Chart, ids: Collection[str], node_id: str, reads: Keys, writes:
     def port(state: str, key: str, *, is_input: bool) -> str:
         known = ports.get((state, key, is_input))
         if known is None:
-            known = unused(key, {*flow.inputs, *flow.outputs}, "_")
+            known = take_unused(key, {*flow.inputs, *flow.outputs})
             ports[state, key, is_input] = known
             (flow.inputs if is_input else flow.outputs).append(known)
         return known

@@ -168,31 +168,23 @@ class Found:
     fixes: tuple[Fix, ...] = ()
 
 
-@dataclass(frozen=True)
-class _Owned:
-    """An element of a chart, and the path of the state that it belongs to."""
-
-    element: Element
-    path: Path
-
-
 def located(inspection: Inspection) -> tuple[Found, ...]:
     """Return the problems with the states that they are at, and what corrects them."""
     checked = inspection.checked
     if checked is None or not inspection.problems:
         return tuple(map(Found, inspection.problems))
     chart = checked.resolved.chart
-    owned = sorted(((o.element.position()[1:], i, o) for i, o in enumerate(_owned(chart, ()))))
-    places = [place for place, _index, _owned in owned]
+    owned = sorted(_owned(chart, ()), key=lambda one: one[0].position()[1:])
+    places = [element.position()[1:] for element, _ in owned]
     found = []
     for problem in inspection.problems:
         index = bisect_right(places, problem.position[1:]) - 1
         if problem.position.file != chart.file or index < 0:
             found.append(Found(problem))
             continue
-        owner = owned[index][2]
-        fixes = tuple(_fixes(problem, owner, chart, inspection))[:_MOST_FIXES]
-        found.append(Found(problem, owner.path, fixes))
+        element, path = owned[index]
+        fixes = tuple(_fixes(problem, element, path, chart, inspection))[:_MOST_FIXES]
+        found.append(Found(problem, path, fixes))
     return tuple(found)
 
 
@@ -220,27 +212,29 @@ def counts(found: Iterable[Found]) -> dict[str, tuple[int, int]]:
     return numbers
 
 
-def _owned(scope: Chart, path: Path) -> Iterator[_Owned]:
+def _owned(scope: Chart, path: Path) -> Iterator[tuple[Element, Path]]:
     """Yield the elements of a chart, each with the path of its state."""
     if not path:
-        yield _Owned(scope, path)
+        yield scope, path
     for part in (*scope.outcomes, *scope.inputs, *scope.outputs, *scope.connections):
-        yield _Owned(part, path)
+        yield part, path
     for condition in scope.conditions:
-        yield _Owned(condition, path)
-        yield from (_Owned(when, path) for when in condition.all_of)
+        yield condition, path
+        yield from ((when, path) for when in condition.all_of)
     for node in scope.nodes:
         inner = (*path, node.id)
-        yield _Owned(node, inner)
+        yield node, inner
         for part in (*node.transitions, *node.inputs, *node.outputs, *node.params):
-            yield _Owned(part, inner)
+            yield part, inner
         if isinstance(node, Container):
             yield from _owned(node.body, inner)
 
 
-def _fixes(problem: Problem, owner: _Owned, chart: Chart, inspection: Inspection) -> Iterator[Fix]:
+def _fixes(
+    problem: Problem, element: Element, path: Path, chart: Chart, inspection: Inspection
+) -> Iterator[Fix]:
     """Yield the changes that may correct a problem, the likeliest first."""
-    path, element, kind = owner.path, owner.element, problem.code
+    kind = problem.code
     if isinstance(element, Outcome) and kind is ProblemKind.UNUSED_OUTCOME:
         kept = tuple(o.name for o in container_at(chart, path).outcomes if o.name != element.name)
         if kept:

@@ -347,11 +347,9 @@ KINDS = (
     EntryKind("require", ("avoid_segment",), "Route no wire through a segment"),
     EntryKind("require", ("insert", "force_n"), "Limit the force of insertions"),
 )
+WIRE_FIELDS = ("pick", "before", "route", "insert")  # that select wires
 FIELD_HINTS = {
-    "pick": "all, W1, [W1, W2] or {colour: BU}",
-    "before": "all, W1, [W1, W2] or {colour: BU}",
-    "route": "all, W1, [W1, W2] or {colour: BU}",
-    "insert": "all, W1, [W1, W2] or {colour: BU}",
+    **dict.fromkeys(WIRE_FIELDS, "all, W1, [W1, W2] or {colour: BU}"),
     "in_order_of": "such as section_mm2",
     "from": "least or greatest",
     "weight": "cost of each violation, in ticks of 0.1 s",
@@ -362,7 +360,6 @@ FIELD_HINTS = {
     "avoid_segment": "name of a segment of the board",
     "force_n": "the most, in N",
 }
-WIRE_FIELDS = ("pick", "before", "route", "insert")  # that select wires
 
 
 def new_document() -> Document:

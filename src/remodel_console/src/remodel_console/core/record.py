@@ -18,6 +18,7 @@ from remodel_console.core.running import recorded_state
 from remodel_console.core.use_case import UseCase, duration_words
 from remodel_run.progress import Sums
 from remodel_run.record import Entry, Kind, decision_words, entry_words, fault_words
+from remodel_run.whole_task import counted
 
 REASONS = (Kind.FAILURE, Kind.DECISION, Kind.OPERATOR)  # what shows why a run took its course
 
@@ -292,7 +293,7 @@ def wire_words(wire: str, use_case: UseCase | None) -> tuple[str, ...]:
     task = next((t for t in use_case.tasks if t.name == wire), None) if use_case else None
     if task is None or use_case is None:
         return ("No task of the present order is about this wire.",)
-    attempts = f", {task.attempts} attempt{'s' * (task.attempts != 1)}" if task.attempts else ""
+    attempts = f", {counted(task.attempts, 'attempt')}" if task.attempts else ""
     taken = f", {duration_words(task.taken_s)}" if task.taken_s else ""
     lines = [task.description, f"{task.words}{attempts}{taken}"]
     for failure in reversed(use_case.failures):

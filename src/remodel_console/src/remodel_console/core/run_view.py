@@ -9,6 +9,7 @@ from typing import TypeAlias
 from flexbe_synthesizer.core.chart.names import FAILED
 from flexbe_synthesizer.core.machine.lower import OTHER
 from remodel_console.core.running import FAILURES, UNATTENDED, ChartState, Structure, chart_state
+from remodel_run.whole_task import counted
 
 _WITHDRAWN = 255  # the outcome of a request that takes the previous one back
 
@@ -433,7 +434,7 @@ def state_words(view: RunView, *, waits: bool) -> str:
 
 def count_words(view: RunView) -> str:
     """Return how many states the run has entered."""
-    return f"{view.entries} state{'s' * (view.entries != 1)} entered"
+    return f"{counted(view.entries, 'state')} entered"
 
 
 def path_words(path: str) -> str:

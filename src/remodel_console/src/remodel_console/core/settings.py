@@ -123,13 +123,11 @@ def arranged(parts: Sequence[PagePart], text: str) -> tuple[PagePart, ...]:
     Parts that it does not name, as after an upgrade, follow; what it names and is none is left out.
     """
     known = {part.title: part for part in parts}
-    titles = [word for word in text.split(",") if word.removeprefix(_HIDDEN) in known]
-    named = {
-        word.removeprefix(_HIDDEN): replace(
-            known[word.removeprefix(_HIDDEN)], is_shown=not word.startswith(_HIDDEN)
-        )
-        for word in titles
-    }
+    named = {}
+    for word in text.split(","):
+        title = word.removeprefix(_HIDDEN)
+        if title in known:
+            named[title] = replace(known[title], is_shown=title == word)
     return (*named.values(), *(part for part in parts if part.title not in named))
 
 

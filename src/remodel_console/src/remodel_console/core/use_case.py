@@ -225,18 +225,14 @@ def stop_words(now: UseCase) -> tuple[str, str]:
     """Return who holds the cell by a protective stop, and how it is released."""
     persons = [name for name in now.stopped_by.split(", ") if name not in ("", *now.controllers)]
     by = ", ".join((*now.controllers, *persons)) or "an unknown device"
-    if not now.controllers:
-        then = "and the run stays paused until Resume" if now.run else "and orders can be started"
-        return (
-            f"Protective stop, requested by {by}",
-            f"No motion begins. Release ends the stop, {then}.",
-        )
-    who = "safety controller" if len(now.controllers) == 1 else "safety controllers"
-    names = ", ".join(now.controllers)
-    return (
-        f"Protective stop, requested by {by}",
-        f"No motion begins. It is held by the {who} {names}, and released there, not here.",
-    )
+    if now.controllers:
+        who = "safety controller" if len(now.controllers) == 1 else "safety controllers"
+        how = f"It is held by the {who} {', '.join(now.controllers)}, and released there, not here."
+    elif now.run:
+        how = "Release ends the stop, and the run stays paused until Resume."
+    else:
+        how = "Release ends the stop, and orders can be started."
+    return f"Protective stop, requested by {by}", f"No motion begins. {how}"
 
 
 # Tasks that a page shows at once, of which a quarter each may have ended before, or be skipped.

@@ -198,9 +198,7 @@ class OrderDraft:
             words = ["import", self.file.name, "--order", order, *self._mapping(), *self._by()]
             if has_entries(self.now.preferences):
                 words += self._preferences()
-            finished = self._finish(*words, database=database)
-            if finished.code != 0:
-                raise CommandError(_own_words(finished))
+            self._run(*words, database=database)
             self._change(stored_as=order)
             return f"stored order '{order}'"
 
@@ -223,10 +221,8 @@ class OrderDraft:
             words += ["--use-case", self.now.use_case] if self.now.use_case else []
             words += ["--adopt"] if adopts else []
             words += ["--states", str(self.folder / _REHEARSAL), "--json"]
-            finished = self._finish(*words, database=database, limit_s=_REHEARSAL_S)
-            if finished.code != 0:
-                raise CommandError(_own_words(finished))
-            found = read_findings(finished.printed, Forecast)
+            printed = self._run(*words, database=database, limit_s=_REHEARSAL_S)
+            found = read_findings(printed, Forecast)
             self._change(forecast=found)
             return f"rehearsed: {found.all_at_once:.0%} without a failure"
 
@@ -303,8 +299,8 @@ class OrderDraft:
             limit_s,
         )
 
-    def _run(self, *words: str) -> str:
-        finished = self._finish(*words)
+    def _run(self, *words: str, database: str = "", limit_s: float = LIMIT_S) -> str:
+        finished = self._finish(*words, database=database, limit_s=limit_s)
         if finished.code != 0:
             raise CommandError(_own_words(finished))
         return finished.printed

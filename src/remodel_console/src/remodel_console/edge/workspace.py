@@ -52,6 +52,7 @@ from flexbe_synthesizer.synthesis import CheckedFiles, check_files, write_behavi
 from remodel_console.core.editing import Draft, new_draft, read_draft
 from remodel_console.core.inspection import Inspection, uses_by_path
 from remodel_console.errors import ChartErrorsError, CommandError, FileChangedError
+from remodel_run.whole_task import counted
 
 # Beside a chart: what was saved of it while it had errors. No program but the editor reads it.
 _KEPT = ".draft"
@@ -374,7 +375,7 @@ class Workspace:
             raise CommandError(f"there is no behavior '{name}'; {hint}")
         behavior = behaviors[name]
         package = next(p for p in packages if p.name == behavior.package)
-        code = package.module_folder.joinpath(*behavior.module.split(".")[1:]).with_suffix(".py")
+        code = _file(package.module_folder, behavior.module)
         try:
             machine = read_machine(read_regular_text(code), str(code), library)
             chart = lift(machine, str(code))
@@ -416,7 +417,7 @@ class Workspace:
         errors = errors_in(files.problems)
         if errors:
             lines = "\n".join(map(str, errors))
-            text = f"{len(errors)} error{'s' * (len(errors) > 1)}:\n{lines}"
+            text = f"{counted(len(errors), 'error')}:\n{lines}"
             raise ChartErrorsError(text, len(errors))
 
 
