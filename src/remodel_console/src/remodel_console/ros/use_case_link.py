@@ -37,7 +37,7 @@ from remodel_run.record import Entry, Kind, Statistics
 T = TypeVar("T")
 
 
-def _like(kind: type[T], message: genpy.Message, **own: object) -> T:
+def _like(kind: type[T], message: genpy.Message, /, **own: object) -> T:
     """Return a dataclass of a message: its fields have the message's values of their names.
 
     `own` has the values of the fields that the message spells otherwise, or not at all.
