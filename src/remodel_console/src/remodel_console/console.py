@@ -106,7 +106,7 @@ class Recorder(Protocol):
         """Return the picture of an entry, as jpeg or png."""
 
 
-@dataclass(eq=False)
+@dataclass(eq=False, repr=False)  # some of it is secret
 class Console:
     """Everything that a page needs.
 

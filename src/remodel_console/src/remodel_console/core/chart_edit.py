@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from flexbe_synthesizer.core.chart import names
 from flexbe_synthesizer.core.chart.error_routes import ROUTES_RULE, parse_routes
@@ -363,5 +363,6 @@ def _followed(
         if not old or end != (scope.name, old[0].name):
             found.append(flow)
         elif port is not None:
-            found.append(replace(flow, **{side: port.name}))
+            new: dict[str, Any] = {side: port.name}
+            found.append(replace(flow, **new))
     return tuple(found)

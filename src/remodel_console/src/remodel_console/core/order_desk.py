@@ -15,6 +15,7 @@ from typing import Any
 
 import yaml
 
+from remodel_console.core.plots import LINE, TEXT, TOOLTIP
 from remodel_console.errors import CommandError
 from remodel_run.findings import Plan
 
@@ -228,9 +229,7 @@ def gantt_plot(plan: Plan) -> dict[str, Any]:
         ]
         if bars:
             series.append(_series(words, bars, kind))
-    text = {"color": "var(--ink)", "fontSize": 12}
-    line = {"lineStyle": {"color": "var(--line)"}}
-    axis = {"axisTick": {"show": False}, "axisLine": line}
+    axis = {"axisTick": {"show": False}, "axisLine": LINE}
     zoom = {"xAxisIndex": 0, "filterMode": "weakFilter"}
     look = {
         "borderColor": "var(--line)",
@@ -244,9 +243,9 @@ def gantt_plot(plan: Plan) -> dict[str, Any]:
         "grid": {"left": 116, "right": 16, "top": 34, "bottom": 66},
         "legend": {
             "type": "scroll",
-            "pageTextStyle": text,
+            "pageTextStyle": TEXT,
             "data": [each["name"] for each in series[1:]],
-            "textStyle": text,
+            "textStyle": TEXT,
             "top": 0,
         },
         "xAxis": {
@@ -254,7 +253,7 @@ def gantt_plot(plan: Plan) -> dict[str, Any]:
             "type": "value",
             "min": 0,
             "max": plan.makespan_s,
-            "splitLine": line,
+            "splitLine": LINE,
             "axisLabel": {
                 "color": "var(--soft)",
                 ":formatter": "value => `${Math.round(value)} s`",
@@ -265,19 +264,13 @@ def gantt_plot(plan: Plan) -> dict[str, Any]:
             "type": "category",
             "inverse": True,
             "data": lanes,
-            "axisLabel": {**text, "width": 100, "overflow": "truncate"},
+            "axisLabel": {**TEXT, "width": 100, "overflow": "truncate"},
         },
         "dataZoom": [
             {**zoom, **look, "type": "slider", "height": 20, "bottom": 8, "labelFormatter": ""},
             {**zoom, "type": "inside", "zoomOnMouseWheel": "ctrl"},
         ],
-        "tooltip": {
-            "confine": True,
-            "backgroundColor": "var(--sheet)",
-            "borderColor": "var(--line)",
-            "textStyle": text,
-            ":formatter": "one => one.value[4]",
-        },
+        "tooltip": {**TOOLTIP, ":formatter": "one => one.value[4]"},
         "series": series,
     }
 
@@ -329,11 +322,6 @@ class EntryKind:
     list_name: str
     fields: tuple[str, ...]
     meaning: str
-
-    @property
-    def is_required(self) -> bool:
-        """Return whether no plan may violate it."""
-        return self.list_name == "require"
 
 
 KINDS = (

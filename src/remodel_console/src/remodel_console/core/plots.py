@@ -17,6 +17,15 @@ from typing import Any, TypeAlias
 
 Options: TypeAlias = dict[str, Any]  # JSON; ECharts documents the keys
 
+# The look of what all plots have: texts, lines, and what is shown at the pointer.
+TEXT: Options = {"color": "var(--ink)", "fontSize": 12}
+LINE: Options = {"lineStyle": {"color": "var(--line)"}}
+TOOLTIP: Options = {
+    "confine": True,
+    "backgroundColor": "var(--sheet)",
+    "borderColor": "var(--line)",
+    "textStyle": TEXT,
+}
 LEFT, RIGHT, BOTTOM = 48, 12, 22  # [pixels] margins of `series_plot`, for marks over it
 _ROW = 22  # [pixels] of a bar with its name
 
@@ -100,11 +109,8 @@ def _plot(x_axis: Options, y_axis: Options, series: Options, unit: str = "") -> 
             {"itemStyle": accent, "lineStyle": accent, "emphasis": {"disabled": True}} | series
         ],
         "tooltip": {
+            **TOOLTIP,
             "trigger": "axis",
-            "confine": True,
-            "backgroundColor": "var(--sheet)",
-            "borderColor": "var(--line)",
-            "textStyle": {"color": "var(--ink)", "fontSize": 12},
             "axisPointer": {"lineStyle": {"color": "var(--soft)"}},
             ":valueFormatter": f"value => `${{+value.toPrecision(3)}} {unit}`",
         },
@@ -122,10 +128,9 @@ def _values(own: Options) -> Options:
 
 
 def _axis(own: Options) -> Options:
-    line = {"lineStyle": {"color": "var(--line)"}}
-    text = {"color": "var(--soft)", "fontSize": 12} | own.get("axisLabel", {})
+    text = TEXT | {"color": "var(--soft)"} | own.get("axisLabel", {})
     return (
-        {"axisLine": line, "splitLine": line, "axisTick": {"show": False}}
+        {"axisLine": LINE, "splitLine": LINE, "axisTick": {"show": False}}
         | own
         | {"axisLabel": text}
     )

@@ -10,7 +10,6 @@ topic would receive what the first one's class makes of it.
 
 from __future__ import annotations
 
-import contextlib
 import threading
 import time
 import xmlrpc.client
@@ -119,7 +118,7 @@ class CameraLink:
             if is_soon or not self._pictures.is_wanted:
                 continue
             begin_s = time.monotonic()
-            with contextlib.suppress(CommandError):  # no cell; the page says so
+            with suppress(CommandError):  # no cell; the page says so
                 answer = call_service(
                     f"{topics.CELL}/take_picture", TakePicture, TakePictureRequest(SCENE)
                 )

@@ -114,10 +114,6 @@ class Canvas(Element, component="static/canvas.js"):
         """Show values beside a state; of an empty path, none."""
         self.run_method("showValues", path, [list(value) for value in values])
 
-    def fit(self) -> None:
-        """Show the whole drawing."""
-        self.run_method("fit")
-
 
 _NOTHING: Json = {"name": "", "nodes": [], "edges": [], "flows": []}
 

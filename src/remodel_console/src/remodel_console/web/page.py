@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import asyncio
-import contextlib
 import threading
 from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import Future
 from contextlib import AbstractContextManager, contextmanager
 from functools import partial
 from typing import ClassVar, TypeVar
@@ -152,28 +152,17 @@ async def on_own_thread(deed: Callable[[], T]) -> T:
     A pool of threads would queue a protective stop behind the commands that wait, and would keep
     the console from ending before they are answered.
     """
-    loop = asyncio.get_running_loop()
-    done: asyncio.Future[T] = loop.create_future()
-
-    def settle(result: T | None, error: Exception | None) -> None:
-        if done.cancelled():
-            return
-        if error is not None:
-            done.set_exception(error)
-        else:
-            done.set_result(result)  # type: ignore[arg-type]
+    done: Future[T] = Future()
+    done.set_running_or_notify_cancel()  # who waits may be cancelled, but not the command
 
     def work() -> None:
-        result, error = None, None
         try:
-            result = deed()
-        except Exception as raised:  # noqa: BLE001 - the waiting thread gets it
-            error = raised
-        with contextlib.suppress(RuntimeError):  # the console has ended meanwhile
-            loop.call_soon_threadsafe(settle, result, error)
+            done.set_result(deed())
+        except Exception as error:  # noqa: BLE001 - the waiting thread gets it
+            done.set_exception(error)
 
     threading.Thread(target=work, name="command", daemon=True).start()
-    return await done
+    return await asyncio.wrap_future(done)
 
 
 _EVERY_S = 0.04  # between two tellings; an operator is promised to see a transition within 100 ms
