@@ -15,7 +15,7 @@ from random_panel import random_panel
 
 from remodel_production.errors import InfeasibleError
 from remodel_tasks.core.plan.checker import check
-from remodel_tasks.core.problem.defects import require_sound
+from remodel_tasks.core.problem.defects import opening_of, require_sound
 from remodel_tasks.core.problem.instance import plan_data, plan_from, problem_data, problem_from
 from remodel_tasks.core.problem.problem import ActionKind, Mode, Plan
 from remodel_tasks.core.search import tables_of
@@ -75,6 +75,18 @@ def random_list(tables, rng):
         order.append(rng.choice([i for i in before if i not in order and before[i] <= set(order)]))
     modes = [rng.choice(tables.modes[name]).number for name in tables.wires]
     return np.array(order, np.int32), np.array(modes, np.int32)
+
+
+def test_the_wires_before_a_held_one_open_plans_in_the_same_order_in_every_process():
+    data = random_panel(6, 0, 2)
+    for arm in data["arms"]:
+        arm["reach"] = [-9999, 9999]
+    data["init"]["arms"][data["arms"][0]["id"]]["holding"] = "w0"
+    data["init"]["wires"]["w0"] = {"stage": "held"}
+    data["precedence"] = [
+        {"type": "under", "before": f"w{number}", "after": "w0"} for number in range(1, 5)
+    ]
+    assert opening_of(problem_from(data)).wires == ("w1", "w2", "w3", "w4", "w0")
 
 
 def residual(planned, seed):

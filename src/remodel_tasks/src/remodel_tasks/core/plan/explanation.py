@@ -25,7 +25,10 @@ from remodel_tasks.core.problem.problem import (
     Problem,
     Ranking,
     SoftConstraint,
+    directly_before,
+    grouped,
     possible_modes,
+    reached,
     wire_order,
 )
 
@@ -43,15 +46,7 @@ class Listing:
 
     def with_first_before(self, problem: Problem, first: str, second: str) -> Listing:
         """Return the list with a wire, and all that must come before it, right before another."""
-        before: dict[str, list[str]] = {}
-        for earlier, later in wire_order(problem):
-            before.setdefault(later, []).append(earlier)
-        moved, frontier = {first}, [first]
-        while frontier:
-            for wire in before.get(frontier.pop(), ()):
-                if wire not in moved:
-                    moved.add(wire)
-                    frontier.append(wire)
+        moved = reached([first], directly_before(problem))
         at = self.wires.index(second)
         late = [wire for wire in self.wires[at:] if wire in moved]
         rest = [wire for wire in self.wires[at:] if wire not in moved]
@@ -163,12 +158,11 @@ def explain(
     if verdict.penalties["soft"]:
         yield f"  {verdict.penalties['soft']}: soft constraints violated, of {_count(problem)}"
     yield from _explain_order(problem, plan, alternatives)
-    for reason, wires in _by_reason(preferred.detours).items():
+    by_detour = grouped((reason, wire) for wire, reason in preferred.detours.items())
+    for reason, wires in by_detour.items():
         yield f"kept: `{reason}`: {', '.join(wires)} done by another method or route"
     yield from _explain_arms(preferred, plan, alternatives)
-    after: dict[str, list[str]] = {}
-    for before, later in wire_order(problem):
-        after.setdefault(before, []).append(later)
+    after = grouped(wire_order(problem))
     by_reason = sorted(violated_constraints(problem, plan), key=lambda item: item.soft.reason)
     for reason, group in itertools.groupby(by_reason, lambda item: item.soft.reason):
         yield from _explain_group(reason, list(group), problem, after, alternatives=alternatives)
@@ -201,27 +195,15 @@ def _explain_order(problem: Problem, plan: Plan, alternatives: Alternatives) -> 
         yield _compare(f"{later} right before {earlier}", difference)
 
 
-def _by_reason(reasons: dict[str, str]) -> dict[str, list[str]]:
-    wires: dict[str, list[str]] = {}
-    for wire, reason in reasons.items():
-        wires.setdefault(reason, []).append(wire)
-    return wires
-
-
 def against_arms(preferred: Preferred, plan: Plan) -> dict[str, list[str]]:
     """Return the wires that another arm picks than the user prefers, by the preference's name."""
-    problem = preferred.problem
-    against: dict[str, list[str]] = {}
-    for action in plan.actions:
-        name = str(action.wire)
-        preferred_arm = problem.wire[name].preferred_arm if name in preferred.arm_reasons else None
-        if (
-            action.kind is ActionKind.PICK
-            and preferred_arm is not None
-            and preferred_arm != action.arm
-        ):
-            against.setdefault(preferred.arm_reasons[name], []).append(name)
-    return against
+    wires, reasons = preferred.problem.wire, preferred.arm_reasons
+    picks = ((str(a.wire), a.arm) for a in plan.actions if a.kind is ActionKind.PICK)
+    return grouped(
+        (reasons[name], name)
+        for name, arm in picks
+        if name in reasons and wires[name].preferred_arm not in (None, arm)
+    )
 
 
 def _explain_arms(preferred: Preferred, plan: Plan, alternatives: Alternatives) -> Iterator[str]:

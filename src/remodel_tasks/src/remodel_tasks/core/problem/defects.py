@@ -23,7 +23,9 @@ from remodel_tasks.core.problem.problem import (
     PlannedWire,
     Problem,
     Stage,
+    directly_before,
     possible_modes,
+    reached,
     wire_order,
 )
 
@@ -53,39 +55,29 @@ def opening_of(problem: Problem) -> Opening:
     """
     modes = possible_modes(problem)
     holders = {arm.holding: i for i, arm in enumerate(problem.arms) if arm.holding is not None}
-    before: dict[str, set[str]] = {}
-    for first, second in wire_order(problem):
-        before.setdefault(second, set()).add(first)
+    before = directly_before(problem)
     graph: dict[str, set[str]] = {}
     for held, arm in holders.items():
-        for wire in _ancestors(held, before) - {held}:
+        for wire in sorted(reached([held], before) - {held}):
             modes[wire] = tuple(mode for mode in modes[wire] if arm not in _arms(mode))
             graph.setdefault(wire, set())
         graph.setdefault(held, set())
     for wire, earlier in graph.items():
-        earlier |= before.get(wire, set())
+        earlier.update(before.get(wire, ()))
         earlier |= {
             held
             for held, arm in holders.items()
             if held != wire and any(arm in _arms(mode) for mode in modes[wire])
         }
     try:
-        order = tuple(TopologicalSorter(graph).static_order())
+        # Sorted: of wires that do not wait for each other, the order is the same in every process.
+        sorter = TopologicalSorter({wire: sorted(earlier) for wire, earlier in graph.items()})
+        order = tuple(sorter.static_order())
     except CycleError as error:
         raise InfeasibleError(deadlock(problem)) from error
     if not all(modes[wire] for wire in order):
         raise InfeasibleError(deadlock(problem))
     return Opening(order, modes)
-
-
-def _ancestors(wire: str, before: dict[str, set[str]]) -> set[str]:
-    found, frontier = set(), [wire]
-    while frontier:
-        name = frontier.pop()
-        if name not in found:
-            found.add(name)
-            frontier.extend(sorted(before.get(name, ())))
-    return found
 
 
 def _arms(mode: Mode) -> tuple[int, ...]:

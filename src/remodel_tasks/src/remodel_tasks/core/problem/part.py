@@ -17,7 +17,10 @@ from remodel_tasks.core.problem.problem import (
     Ranking,
     Stage,
     Under,
+    directly_before,
+    grouped,
     possible_modes,
+    reached,
     wire_order,
 )
 
@@ -53,7 +56,7 @@ def defer(problem: Problem, names: Collection[str]) -> Problem:
     Wires that must come after them by another constraint still do.
     """
     last = tuple(dict.fromkeys(name for name in names if name in problem.wire))
-    late = _with_successors(problem, last)
+    late = reached(last, grouped(wire_order(problem)))
     unders = (
         Under(wire.name, name, _DEFERRED)
         for name in last
@@ -64,9 +67,7 @@ def defer(problem: Problem, names: Collection[str]) -> Problem:
 
 
 def _unders(problem: Problem, left: set[str]) -> Iterator[Under]:
-    after: dict[str, list[str]] = {}
-    for under in problem.unders:
-        after.setdefault(under.before, []).append(under.after)
+    after = grouped((under.before, under.after) for under in problem.unders)
     for under in problem.unders:
         if under.before in left and under.after in left:
             yield under
@@ -91,19 +92,6 @@ def _rankings(problem: Problem, left: set[str]) -> Iterator[Ranking]:
         filled = tuple(group for group in groups if group)
         if len(filled) > 1:
             yield replace(ranking, groups=filled)
-
-
-def _with_successors(problem: Problem, names: Collection[str]) -> set[str]:
-    """Return wires, and all that must come after one of them."""
-    after: dict[str, list[str]] = {}
-    for before, later in wire_order(problem):
-        after.setdefault(before, []).append(later)
-    found, frontier = set(names), list(names)
-    while frontier:
-        fresh = [name for name in after.get(frontier.pop(), ()) if name not in found]
-        found.update(fresh)
-        frontier.extend(fresh)
-    return found
 
 
 # The name of the preference for cables that are begun.
@@ -136,9 +124,7 @@ def gathered(problem: Problem, names: Sequence[str]) -> tuple[str, ...]:
         problem: of these wires.
         names: of wires, in an order that keeps the order constraints.
     """
-    before: dict[str, set[str]] = {}
-    for earlier, later in wire_order(problem):
-        before.setdefault(later, set()).add(earlier)
+    before = directly_before(problem)
     left = list(names)
     order: list[str] = []
     while left:
@@ -146,7 +132,7 @@ def gathered(problem: Problem, names: Sequence[str]) -> tuple[str, ...]:
         cable = problem.wire[order[-1]].cable
         cores = [name for name in left if problem.wire[name].cable == cable] if cable else []
         for core in cores:
-            if before.get(core, set()).isdisjoint(left):
+            if set(left).isdisjoint(before.get(core, ())):
                 left.remove(core)
                 order.append(core)
     return tuple(order)

@@ -11,7 +11,7 @@ that is, which arm starts, with which end, and whether it hands over (`possible_
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from enum import Enum, IntEnum
 from functools import cached_property
@@ -379,6 +379,30 @@ def wire_order(problem: Problem) -> Iterator[tuple[str, str]]:
             and not is_inserted(problem.wire[pin.after], pin.after_end)
         ):
             yield pin.before, pin.after
+
+
+def directly_before(problem: Problem) -> dict[str, list[str]]:
+    """Return of each unfinished wire those that must be done before it, without theirs."""
+    return grouped((later, earlier) for earlier, later in wire_order(problem))
+
+
+def grouped(pairs: Iterable[tuple[str, str]]) -> dict[str, list[str]]:
+    """Return of each first name of some pairs the second ones, in their order."""
+    found: dict[str, list[str]] = {}
+    for first, second in pairs:
+        found.setdefault(first, []).append(second)
+    return found
+
+
+def reached(names: Iterable[str], following: Mapping[str, Iterable[str]]) -> set[str]:
+    """Return names, and all that follow one of them, also over others."""
+    found = set(names)
+    frontier = list(found)
+    while frontier:
+        fresh = set(following.get(frontier.pop(), ())) - found
+        found |= fresh
+        frontier += fresh
+    return found
 
 
 def is_inserted(wire: PlannedWire, end: End) -> bool:
