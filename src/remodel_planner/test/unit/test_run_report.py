@@ -95,14 +95,14 @@ def summed(attempts, before, tasks):
 
 def test_a_wire_that_failed_once_is_placed_but_not_at_first_pass():
     both = report(attempted("W1", GOOD), attempted("W2", BAD, GOOD))
-    assert (both.placed, both.first_pass, both.failures) == (2, 1, 1)
+    assert (both.placed, both.sums.first_passes, both.failures) == (2, 1, 1)
     assert both.complete
 
 
 def test_a_wire_that_was_fed_again_is_placed_once_and_has_a_row_for_each_attempt():
     failed, second = attempted("W1", BAD, placed=False), attempted("W1", GOOD, attempt=2)
     both = report(failed, second)
-    assert (both.placed, both.first_pass, both.complete) == (1, 0, True)
+    assert (both.placed, both.sums.first_passes, both.complete) == (1, 0, True)
     assert list(timeline(both.attempts, {})) == ["W1", "W1, attempt 2"]
     tree = html.fromstring(render_html(TEMPLATE, both, COLOURS))
     assert len(tree.xpath("//details[@id='W1-1' or @id='W1-2']")) == 2
@@ -115,7 +115,7 @@ def test_a_wire_that_was_never_run_makes_the_report_incomplete():
 
 def test_wires_that_an_earlier_run_has_placed_count():
     both = report(attempted("W2", GOOD), before=["W1"])
-    assert (both.placed, both.first_pass, both.complete) == (2, 1, True)
+    assert (both.placed, both.sums.first_passes, both.complete) == (2, 1, True)
 
 
 def test_the_page_shows_each_wire_and_its_failures():
@@ -285,7 +285,7 @@ def test_first_insertions_and_recovered_wires_are_counted_over_all_attempts():
         attempted("W3", jammed, placed=False),
     )
     assert made.insertions == (3, 5)
-    assert (made.first_pass, made.recovered) == (1, 1)
+    assert (made.sums.first_passes, made.sums.recovered) == (1, 1)
 
 
 def test_the_summary_is_what_the_report_ends_with():

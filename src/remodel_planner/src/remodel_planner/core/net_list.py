@@ -29,7 +29,6 @@ class FoundWire:
 
     Attributes:
         a: its end a; the cell's ends a and b may be the design's b and a.
-        b: its end b.
         duct_length_m: [m] of its planned route in ducts; 0: none, or not known.
         in_ducts: share of that length at which it lies below the ducts' rims.
     """
@@ -55,7 +54,6 @@ class Connection:
     Which of its ends is called a does not matter: a layout may turn a wire round.
 
     Attributes:
-        wire: its name.
         designed: the terminals of ends a and b.
         found: None if the cell has no piece of it.
     """
@@ -119,13 +117,7 @@ class Connection:
 def net_list(
     wires: Sequence[Wire], asked: Collection[str], found: Mapping[str, FoundWire]
 ) -> tuple[Connection, ...]:
-    """Return the connections of the wires that were asked for or are in the cell.
-
-    Args:
-        wires: of the order.
-        asked: names of the wires that were to be connected.
-        found: the wires of which the cell has a piece, by name.
-    """
+    """Return the connections of the wires that were asked for or are in the cell."""
     shown = {*asked, *found}
     return tuple(
         Connection(wire.name, (wire.a, wire.b), found.get(wire.name))

@@ -6,8 +6,9 @@ import csv
 import io
 import json
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, fields
+from dataclasses import asdict, dataclass, field, fields
 from datetime import UTC, datetime
+from typing import Any
 
 from remodel_production.core.production import Order, TerminalRef, Wire
 from remodel_supervision.core.run import Operation
@@ -24,7 +25,7 @@ from remodel_supervision.core.runs.events import (
 OPERATOR = "operator"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class ProductEntry:
     """One operation on a product, or one answer of an operator about it.
 
@@ -46,70 +47,69 @@ class ProductEntry:
     run: int
     cell: str
     kept_at: str
-    ended_s: float | None
-    elapsed_s: float | None
+    ended_s: float | None = None
+    elapsed_s: float | None = None
     task: str
     attempt: int
     part: str
     behavior: str
-    state_path: str
-    end: str
+    state_path: str = ""
+    end: str = ""
     ability: str
-    goal_id: str
+    goal_id: str = ""
     result: str
-    error_code: int
+    error_code: int = 0
     text: str
-    force_limit_n: float | None
-    peak_force_n: float | None
-    parameters: Mapping[str, str]
-    measurements: Mapping[str, str]
+    force_limit_n: float | None = None
+    peak_force_n: float | None = None
+    parameters: Mapping[str, str] = field(default_factory=dict)
+    measurements: Mapping[str, str] = field(default_factory=dict)
 
 
 def product_entries(
     serial: str, run: int, cell: str, order: Order, events: Iterable[tuple[datetime, Event]]
 ) -> Iterator[ProductEntry]:
-    """Yield what a run did to its product.
-
-    Args:
-        serial: number of the product.
-        run: number of the run.
-        cell: that did it.
-        order: that the product is of; of its wires, which end belongs in which terminal.
-        events: of the run, each with the wall time (UTC) at which it was kept.
-    """
+    """Yield what a run did to its product, by its events, each with its wall time (UTC)."""
     wires = {wire.name: wire for wire in order.wires}
     begun: dict[str, TaskBegun] = {}
     asked: Asked | None = None
+
+    def about(task: str, at: datetime) -> dict[str, Any]:
+        behavior = begun.get(task)
+        return {
+            **{"serial": serial, "run": run, "cell": cell, "task": task},
+            "kept_at": at.replace(tzinfo=UTC).isoformat(timespec="milliseconds"),
+            "attempt": behavior.attempt if behavior else 0,
+            "part": behavior.part.value if behavior else "",
+            "behavior": behavior.behavior if behavior else "",
+        }
+
     for at, event in events:
-        who = (serial, run, cell, at.replace(tzinfo=UTC).isoformat(timespec="milliseconds"))
         match event:
             case TaskBegun():
                 begun[event.task] = event
             case OperationEnded() | StopReported():
-                behavior = begun.get(event.task)
                 wire = wires.get(event.task)
-                yield _of_operation(who, event.task, behavior, wire, operation=event.operation)
+                yield _of_operation(about(event.task, at), wire, event.operation)
             case Asked():
                 asked = event
             case Answered() if asked is not None:
-                yield _of_answer(who, begun.get(asked.task), asked, event)
-
-
-_Who = tuple[str, int, str, str]
+                yield ProductEntry(
+                    **about(asked.task, at),
+                    ability=OPERATOR,
+                    result=event.choice.value,
+                    text=f"{event.by} answered question {asked.number}: {asked.text}",
+                )
 
 
 def _of_operation(
-    who: _Who, task: str, begun: TaskBegun | None, wire: Wire | None, operation: Operation
+    about: Mapping[str, Any], wire: Wire | None, operation: Operation
 ) -> ProductEntry:
     parameters, measurements = dict(operation.parameters), dict(operation.measurements)
     return ProductEntry(
-        *who,
+        **about,
         ended_s=operation.ended_s,
         elapsed_s=operation.elapsed_s,
-        task=task,
-        attempt=begun.attempt if begun else 0,
-        part=begun.part.value if begun else "",
-        behavior=begun.behavior if begun else "",
         state_path=operation.state_path,
         end=parameters.get("cable_end") or _end_at(wire, parameters),
         ability=operation.ability,
@@ -121,29 +121,6 @@ def _of_operation(
         peak_force_n=_number(measurements.get("peak_force")),
         parameters=parameters,
         measurements=measurements,
-    )
-
-
-def _of_answer(who: _Who, begun: TaskBegun | None, asked: Asked, event: Answered) -> ProductEntry:
-    return ProductEntry(
-        *who,
-        ended_s=None,
-        elapsed_s=None,
-        task=asked.task,
-        attempt=begun.attempt if begun else 0,
-        part=begun.part.value if begun else "",
-        behavior=begun.behavior if begun else "",
-        state_path="",
-        end="",
-        ability=OPERATOR,
-        goal_id="",
-        result=event.choice.value,
-        error_code=0,
-        text=f"{event.by} answered question {asked.number}: {asked.text}",
-        force_limit_n=None,
-        peak_force_n=None,
-        parameters={},
-        measurements={},
     )
 
 
@@ -170,14 +147,14 @@ def as_csv(entries: Iterable[ProductEntry]) -> str:
     writer = csv.writer(text)
     writer.writerow(COLUMNS)
     for entry in entries:
-        values = (getattr(entry, name) for name in COLUMNS)
-        writer.writerow([_json(value) if isinstance(value, Mapping) else value for value in values])
+        values = asdict(entry).values()
+        writer.writerow([_json(value) if isinstance(value, dict) else value for value in values])
     return text.getvalue()
 
 
 def as_json(serial: str, entries: Iterable[ProductEntry]) -> str:
     """Return entries as one JSON document."""
-    rows = [{name: getattr(entry, name) for name in COLUMNS} for entry in entries]
+    rows = [asdict(entry) for entry in entries]
     document = {"format": "remodel-product-1", "serial": serial, "entries": rows}
     return json.dumps(document, indent=2, ensure_ascii=False) + "\n"
 

@@ -91,7 +91,6 @@ class Predicted:
     """What a rehearsal said of a wire, and what happened to it.
 
     Attributes:
-        wire: its name.
         at_once: probability of the first attempt.
         happened: for a person.
         was_at_once: whether the first attempt succeeded.
@@ -108,7 +107,6 @@ class Report:
     """What the report contains about a run.
 
     Attributes:
-        tasks: that were to be done.
         wall_s: [s] wall time from the beginning of the run to its end.
         overview: pictures of the whole cell.
         stopped: why the run ended before its time; empty if it did not.
@@ -145,19 +143,12 @@ class Report:
         failed = {a.execution.wire for a in self.attempts if a.execution.failures}
         tried = {attempt.execution.wire for attempt in self.attempts}
         found = []
-        for wire in self.forecast.wires:
-            if wire.wire in tried:
-                is_placed = wire.wire in self.placed_wires
-                was_at_once = is_placed and wire.wire not in failed
-                happened = "at the first attempt" if was_at_once else "after a failure"
-                found.append(
-                    Predicted(
-                        wire.wire,
-                        wire.at_once,
-                        happened if is_placed else "not placed",
-                        was_at_once,
-                    )
-                )
+        for wire in (each for each in self.forecast.wires if each.wire in tried):
+            is_placed = wire.wire in self.placed_wires
+            was_at_once = is_placed and wire.wire not in failed
+            happened = "at the first attempt" if was_at_once else "after a failure"
+            happened = happened if is_placed else "not placed"
+            found.append(Predicted(wire.wire, wire.at_once, happened, was_at_once))
         return tuple(found)
 
     @property
@@ -190,11 +181,6 @@ class Report:
         return len(self.placed_wires)
 
     @property
-    def done(self) -> int:
-        """The number of tasks done; a cable is done with its last core."""
-        return self.sums.done_in_all
-
-    @property
     def cables(self) -> dict[str, str]:
         """A line for each cable of which cores were tried, by the name of the first of them."""
         lines: dict[str, str] = {}
@@ -205,16 +191,6 @@ class Report:
                 done = len(self.placed_wires.intersection(task.wires))
                 lines[first] = f"Cable {task.name}: {done} of {len(task.wires)} cores placed"
         return lines
-
-    @property
-    def first_pass(self) -> int:
-        """The number of wires done at the first attempt without one failed operation."""
-        return self.sums.first_passes
-
-    @property
-    def recovered(self) -> int:
-        """The number of wires done though an operation, or a whole attempt, had failed."""
-        return self.sums.recovered
 
     @property
     def insertions(self) -> tuple[int, int]:
@@ -261,11 +237,6 @@ class Report:
         """Whether every planned wire is placed."""
         return self.placed == self.planned
 
-    @property
-    def cell_s(self) -> float:
-        """[s] ROS time that the behaviors of the run took together."""
-        return self.sums.taken_s
-
 
 @dataclass(frozen=True)
 class Bar:
@@ -302,13 +273,7 @@ def timeline(
 
 
 def render_html(template: str, report: Report, colours: Mapping[str, str]) -> str:
-    """Return the page.
-
-    Args:
-        template: text of templates/report.html.j2.
-        report: the contents.
-        colours: ability -> its colour in the timeline, where a failed operation is outlined in red.
-    """
+    """Return the page by the text of templates/report.html.j2; colours are by ability."""
     environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True)
     return environment.from_string(template).render(
         report=report,
@@ -332,20 +297,20 @@ def report_data(report: Report) -> Mapping[str, object]:
         "order": report.order.name,
         "source": report.order.source,
         "tasks": [{"name": task.name, "wires": list(task.wires)} for task in report.tasks],
-        "tasks_done": report.done,
+        "tasks_done": report.sums.done_in_all,
         "sums": asdict(report.sums),
         "planned": report.planned,
         "placed": report.placed,
-        "first_pass": report.first_pass,
+        "first_pass": report.sums.first_passes,
         "failures": report.failures,
         "complete": report.complete,
         "stopped": report.stopped,
-        "recovered": report.recovered,
+        "recovered": report.sums.recovered,
         "insertions": dict(zip(("seated_at_once", "ends"), report.insertions, strict=True)),
         "wall_s": round(report.wall_s, 1),
         "simulated_s": _rounded(report.simulated_s, 1),
         "real_time_factor": _rounded(report.real_time_factor, 2),
-        "cell_s": round(report.cell_s, 1),
+        "cell_s": round(report.sums.taken_s, 1),
         "cables": list(report.cables.values()),
         "wires": [_attempt_data(attempt) for attempt in report.attempts],
         "triage": list(report.triage),
@@ -438,19 +403,19 @@ _LISTED = 8
 def summary_lines(report: Report) -> Iterator[str]:
     """Yield the lines."""
     before = f" ({len(report.before)} of them before)" if report.before else ""
-    if report.has_cables or report.done < report.sums.tasks:
+    if report.has_cables or report.sums.done_in_all < report.sums.tasks:
         yield sums_words(report.sums)
     yield (
         f"{report.placed} of {counted(report.planned, 'wire')} placed{before}, "
-        f"{report.first_pass} without a failed operation; "
+        f"{report.sums.first_passes} without a failed operation; "
         f"{counted(report.failures, 'failed operation')}; "
-        f"{report.cell_s:.0f} s in the cell, {report.wall_s:.0f} s on the clock"
+        f"{report.sums.taken_s:.0f} s in the cell, {report.wall_s:.0f} s on the clock"
     )
     seated, ends = report.insertions
     if ends:
         yield (
             f"{seated} of {counted(ends, 'end')} seated by the first insertion; "
-            f"{counted(report.recovered, 'wire')} recovered"
+            f"{counted(report.sums.recovered, 'wire')} recovered"
         )
     if report.real_time_factor is not None:
         yield (
