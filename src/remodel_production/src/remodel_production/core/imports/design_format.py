@@ -51,20 +51,11 @@ class VariantCondition:
         Raises:
             DesignError: if it cannot be read.
         """
-        return self._parsed().test(codes)
+        return _Parser(self).test(codes)
 
     def codes(self) -> frozenset[str]:
-        """Return the codes that it names.
-
-        Raises:
-            DesignError: if it cannot be read.
-        """
-        return frozenset(self._parsed().codes)
-
-    def _parsed(self) -> _Parser:
-        parser = _Parser(self)
-        parser.parse()
-        return parser
+        """Return the codes that it names; DesignError if it cannot be read."""
+        return frozenset(_Parser(self).codes)
 
 
 class _Parser:
@@ -72,9 +63,6 @@ class _Parser:
         self._condition = condition
         self._left = list(self._tokens(condition.text.strip().removesuffix(";").rstrip()))
         self.codes: set[str] = set()
-        self.test: _Test = bool
-
-    def parse(self) -> None:
         self.test = self._any()
         if self._left:
             raise self._refused(f"{self._left[0]!r} is not expected there")
@@ -177,12 +165,7 @@ class ModuleChoice:
         conditions: Mapping[etree._Element, VariantCondition],
         asked: Asked,
     ) -> None:
-        """Choose.
-
-        Args:
-            composites: by part number.
-            conditions: of single parts.
-            asked: what is asked for.
+        """Choose what is asked for of composites, by part number; conditions are of single parts.
 
         Raises:
             DesignError: if there is no such part or code, or a condition cannot be read.

@@ -394,7 +394,8 @@ class _Reader:
 
     def _note_unused(self) -> None:
         used = set(self._templates.values())
-        for name, part in {**self._connectors, **self._cables}.items():
+        parts: dict[str, ConnectorPart | CablePart] = {**self._connectors, **self._cables}
+        for name, part in parts.items():
             if name not in used:
                 self._ignored.append(
                     LeftOut(f"line {part.line}", f"no connection set names {name}")
