@@ -221,16 +221,7 @@ def exchange(searches: Sequence[KernelSearch]) -> None:
 def plan_problem(
     problem: Problem, time_limit_s: float, clock: Callable[[], float] = time.monotonic
 ) -> Planned:
-    """Return the best plan that is found in a time, checked.
-
-    Args:
-        problem: what is to be done.
-        time_limit_s: [s] in which to search.
-        clock: returns the time [s]; see AnytimePlanner.improved.
-
-    Raises:
-        InstanceError: if there is no plan.
-    """
+    """Return the best plan that is found in a time, checked; InstanceError if there is no plan."""
     planner, limits = AnytimePlanner(Kernel(), tables_of(problem)), Limits(time_limit_s)
     planned = planner.improved(limits, clock=clock).planned
     require_valid(planned)

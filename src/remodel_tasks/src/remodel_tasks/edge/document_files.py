@@ -16,11 +16,7 @@ from remodel_production.errors import InstanceError
 
 
 def read_text(file: Path) -> str:
-    """Return the text of a file.
-
-    Raises:
-        InstanceError: if it cannot be read as UTF-8.
-    """
+    """Return the text of a file; InstanceError if it cannot be read as UTF-8."""
     try:
         return file.read_text(encoding="utf-8")
     except OSError as error:
@@ -52,15 +48,11 @@ def read_yaml(file: Path) -> object:
         InstanceError: if it cannot be read or is no YAML, with the place.
     """
     try:
-        return yaml.load(read_text(file), _Loader)
+        return yaml.load(read_text(file), yaml.CSafeLoader)
     except yaml.YAMLError as error:
         raise InstanceError(f"is no YAML: {' '.join(str(error).split())}") from error
     except RecursionError as error:
         raise InstanceError("is nested too deeply") from error
-
-
-# The same loader, in C where libyaml is there.
-_Loader: type = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 
 def read_json(file: Path) -> object:
@@ -80,11 +72,7 @@ def read_json(file: Path) -> object:
 
 
 def write_json(file: Path, document: object) -> None:
-    """Write a document, all of it or nothing.
-
-    Raises:
-        InstanceError: if it cannot be written.
-    """
+    """Write a document, all of it or nothing; InstanceError if it cannot be written."""
     write_text(file, json.dumps(document, separators=(",", ":")) + "\n")
 
 

@@ -13,11 +13,7 @@ from remodel_tasks.core.use_case.fault import Do, Fault, FaultTable, response_fr
 
 
 def read_faults() -> FaultTable:
-    """Return the faults of all packages.
-
-    Raises:
-        PlannerError: if a table cannot be read.
-    """
+    """Return the faults of all packages; PlannerError if a table cannot be read."""
     tables = _tables()
     return FaultTable([_fault(row, tables.numbers) for row in tables.faults.values()])
 

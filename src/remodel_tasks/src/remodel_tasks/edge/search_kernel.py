@@ -22,9 +22,6 @@ from remodel_tasks.errors import KernelError
 def load_library(name: str) -> ctypes.CDLL:
     """Load a library from where the workspace's setup file says libraries are.
 
-    Args:
-        name: of its file.
-
     Raises:
         KernelError: if it is not there.
     """
@@ -105,11 +102,7 @@ class Kernel:
     """The loaded library."""
 
     def __init__(self) -> None:
-        """Load the library.
-
-        Raises:
-            KernelError: if it is not there.
-        """
+        """Load the library; KernelError if it is not there."""
         self._library = load_library("libremodel_tasks_kernel.so")
         declare(
             self._library,
@@ -171,11 +164,7 @@ class KernelProblem:
         return order, kept
 
     def decode(self, order: Integers, modes: Integers) -> Decoded:
-        """Simulate a list of wires.
-
-        Raises:
-            InstanceError: if the arms would wait for each other.
-        """
+        """Simulate a list of wires; InstanceError if the arms would wait for each other."""
         actions = np.empty((_MOST_ACTIONS * self.size, _ACTION_FIELDS), np.int32)
         cost = np.empty(2, np.int64)
         count = self._library.remodel_decode(
@@ -217,11 +206,7 @@ class KernelSearch:
             self._library.remodel_search_delete(self._handle)
 
     def construct(self) -> None:
-        """Build a first plan.
-
-        Raises:
-            InstanceError: if there is none.
-        """
+        """Build a first plan; InstanceError if there is none."""
         if not self._library.remodel_search_construct(self._handle):
             raise InstanceError(deadlock(self._problem.tables.problem))
 

@@ -19,11 +19,7 @@ VARIABLE = "REMODEL_USE_CASES"
 
 
 def find_use_case(name: str) -> UseCase:
-    """Return the use case of a name.
-
-    Raises:
-        UseCaseError: if there is none, or its file is malformed.
-    """
+    """Return the use case of a name; UseCaseError if there is none, or its file is malformed."""
     files = _files()
     for file in files:
         if file.stem == name:
@@ -37,11 +33,7 @@ def find_use_case(name: str) -> UseCase:
 
 
 def use_case_for(kind: DesignKind, name: str = "") -> UseCase:
-    """Return the use case by which designs of a kind are done; the user's own come first.
-
-    Args:
-        kind: of design.
-        name: of another use case that is asked for; empty: none.
+    """Return the use case of a name; without one, that by which designs of a kind are done.
 
     Raises:
         UseCaseError: if there is none, or the file of one is malformed.

@@ -25,7 +25,7 @@ from remodel_tasks.core.problem.conflict import (
 )
 from remodel_tasks.core.problem.defects import require_sound
 from remodel_tasks.core.problem.instance import plan_from, problem_from
-from remodel_tasks.core.problem.preferences import Preferred, apply_preferences
+from remodel_tasks.core.problem.preferences import Preferred, apply_documents
 from remodel_tasks.core.problem.problem import Plan, Problem
 from remodel_tasks.edge.document_files import read_json, read_yaml
 
@@ -87,12 +87,7 @@ def add_design_options(parser: argparse.ArgumentParser) -> None:
 def design_order(
     stored: Order, options: argparse.Namespace, required: OrderRequirements | None = None
 ) -> DesignOrder:
-    """Return an imported order as tasks.
-
-    Args:
-        stored: the order.
-        options: those of add_design_options.
-        required: of single tasks.
+    """Return an imported order as tasks, by the options of add_design_options.
 
     Raises:
         PlannerError: if the use case takes no designs, or there is no such cell.
@@ -368,24 +363,13 @@ def _read_file(file: Path, situations: frozenset[str]) -> Build:
         return build_order
     with blamed(file):
         problem = problem_from(data)
-    return lambda documents: ProblemFiles(_preferred(file, problem, documents, situations), None)
 
+    def build_problem(documents: Documents) -> ProblemFiles:
+        with blamed(file):
+            require_sound(problem)
+        return ProblemFiles(apply_documents(Preferred(problem), documents, situations), None)
 
-def _preferred(
-    source: Path | str,
-    problem: Problem,
-    documents: Documents,
-    situations: frozenset[str],
-) -> Preferred:
-    """Return a problem that is sound, with preferences."""
-    with blamed(source):
-        preferred = Preferred(problem)
-        require_sound(problem)
-    for name, document in documents:
-        with blamed(name):
-            preferred = apply_preferences(preferred, document, situations)
-            require_sound(preferred.problem)
-    return preferred
+    return build_problem
 
 
 def read_document(file: Path) -> object:

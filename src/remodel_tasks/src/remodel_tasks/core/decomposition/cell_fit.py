@@ -29,13 +29,7 @@ from remodel_tasks.core.use_case.model import INSERTED, DesignTasks, Method, Use
 def triaged(
     order: WorkOrder, use_case: UseCase, refused: Mapping[str, Refusal] = MappingProxyType({})
 ) -> WorkOrder:
-    """Return an order with the tasks that a robot can do, maybe none, and the others by hand.
-
-    Args:
-        order: all tasks.
-        use_case: by which they are done.
-        refused: tasks that are by hand for reasons of the cell, by name.
-    """
+    """Return an order with the tasks that a robot can do, maybe none, and the others by hand."""
     decomposer = decomposer_of(order, use_case)
     others: dict[str, OtherMethod] = {}
     refusals: dict[str, Refusal] = {}
@@ -130,7 +124,8 @@ def fitted(
         takes: what the cell can wire; None: that is not known, and only the use case decides.
     """
     refusals: dict[str, Refusal] = {}
-    if takes is not None and _has_wires(use_case):
+    designs = use_case.designs
+    if takes is not None and designs is not None and designs.tasks is DesignTasks.WIRES:
         ducts = {
             duct.name: Passage(duct.name, duct.length, duct.slot_pitch, duct.slot_width)
             for duct in panel.ducts
@@ -195,10 +190,6 @@ def summary(
     if not found:
         return f"{text}; the board fits"
     return f"{text}; the board does not fit: {'; '.join(found)}{other_cell(panel, cells)}"
-
-
-def _has_wires(use_case: UseCase) -> bool:
-    return use_case.designs is not None and use_case.designs.tasks is DesignTasks.WIRES
 
 
 def _too_stiff(

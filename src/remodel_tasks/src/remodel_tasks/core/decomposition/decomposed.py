@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -170,13 +171,10 @@ def outline_of_order(order: WorkOrder, plans: Sequence[Decomposition]) -> Iterat
 def outline(decomposition: Decomposition) -> Iterator[str]:
     """Yield a task as a tree of methods and actions, line by line."""
     task = decomposition.task
-    success = 1.0
-    for step in decomposition.steps:
-        success *= step.expected.success
-    seconds = sum(step.expected.duration_s for step in decomposition.steps)
+    success = math.prod(step.expected.success for step in decomposition.steps)
     yield (
-        f"{task.name}: {' to '.join(task.terminals)}, {seconds:.1f} s of work, succeeds in "
-        f"{100 * success:.0f} % of cases"
+        f"{task.name}: {' to '.join(task.terminals)}, {decomposition.duration_s:.1f} s of work, "
+        f"succeeds in {100 * success:.0f} % of cases"
     )
     shown: tuple[tuple[str, str], ...] = ()
     end = None

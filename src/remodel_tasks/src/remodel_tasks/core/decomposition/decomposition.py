@@ -91,7 +91,7 @@ class Decomposer:
             access: to terminals, by name; nothing is known of others.
         """
         self._access = access or {}
-        self._use_case = use_case
+        self.use_case = use_case
         self._components = components
         self._component_of = component_of
         self._expectations = expectations or use_case.expectations
@@ -104,12 +104,11 @@ class Decomposer:
         Raises:
             InfeasibleError: if there is none, with what rules out each method.
         """
-        run = _Run(self, task, first, limits or Limits())
-        return run.best(hands_over=hands_over)
+        return _Run(self, task, first, limits or Limits()).best(hands_over=hands_over)
 
     def features(self, task: Task, route: Route, end: End | None) -> Features:
         """Return what conditions can ask about a task, on one of its routes, at one of its ends."""
-        use_case = self._use_case
+        use_case = self.use_case
         stated = {c.name: c.default for c in use_case.task_characteristics.values()}
         features: dict[str, Value] = {**stated, **task.characteristics}
         features |= {"length_m": route.length_m, "clips": len(route.clips)}
@@ -122,7 +121,7 @@ class Decomposer:
 
     def expected(self, action: Action, features: Features) -> Expectation:
         """Return what is expected of all attempts at an action."""
-        recovery = [self._use_case.actions[n] for n in (action.recover, action.on_failure) if n]
+        recovery = [self.use_case.actions[n] for n in (action.recover, action.on_failure) if n]
         attempts = max(other.attempts for other in (action, *recovery))
         between_s = sum(self._once(other, features).duration_s for other in recovery)
         return self._once(action, features).tried(attempts, between_s)
@@ -139,14 +138,9 @@ class Decomposer:
 
     def subject(self, task: Task, fact: str, end: End | None) -> str:
         """Return what a fact is about: the task, or the component at the end."""
-        if self._use_case.facts[fact].of is Scope.TASK or end is None:
+        if self.use_case.facts[fact].of is Scope.TASK or end is None:
             return task.name
         return self._component_of[task.terminals[end]]
-
-    @property
-    def use_case(self) -> UseCase:
-        """The use case."""
-        return self._use_case
 
 
 class _Run:
@@ -288,17 +282,8 @@ class _Run:
         features = self._features_of(head)
         expected = self._expected_of(action, head)
         access = self._d.access(self._task, head.end)
-        step = Step(
-            head.macro,
-            action,
-            head.end,
-            head.clip,
-            route=head.route,
-            methods=head.methods,
-            expected=expected,
-            access=access,
-            features=features,
-        )
+        done = (head.macro, action, head.end, head.clip, head.route, head.methods)
+        step = Step(*done, expected=expected, access=access, features=features)
         why = self._forbidden(step, features, state)
         if why:
             for task, method in head.methods[-1:]:

@@ -22,7 +22,7 @@ from remodel_tasks.core.problem.part import part_of
 from remodel_tasks.core.problem.preferences import (
     FORMAT,
     Preferred,
-    apply_preferences,
+    apply_documents,
     choose,
     document_fields,
     requirements,
@@ -348,9 +348,5 @@ def prepare(
         yielding = {p.alone.task.name: why for p in plans if (why := limits.objection(p.alone))}
         plans = decompose_order(order, use_case, limits, expectations)
         problem = wiring_problem(order, use_case, plans)
-    preferred = Preferred(problem, detours=yielding)
-    for name, document in documents:
-        with blamed(name):
-            preferred = apply_preferences(preferred, document, situations)
-            require_sound(preferred.problem)
+    preferred = apply_documents(Preferred(problem, detours=yielding), documents, situations)
     return Prepared(order, use_case, limits, expectations, plans=plans, preferred=preferred)

@@ -28,13 +28,17 @@ from remodel_production.core.production import Component, Order, Role, Terminal,
 from remodel_production.errors import OrderError
 from remodel_run.findings import ByHand
 from remodel_tasks.core.condition import Value
-from remodel_tasks.core.orders.branch_order import Surroundings, branch_order, in_mm
+from remodel_tasks.core.orders.branch_order import (
+    Surroundings,
+    branch_order,
+    in_mm,
+    route_on,
+    said_of,
+)
 from remodel_tasks.core.orders.order_requirements import NOTHING_REQUIRED, OrderRequirements
 from remodel_tasks.core.orders.work_order import (
     Access,
     Refusal,
-    Route,
-    RouteClip,
     Task,
     WorkOrder,
     take_name,
@@ -257,7 +261,12 @@ class _Wiring:
             name=self._board.order.name,
             use_case=self._use_case.name,
             arms=self._around.arms,
-            components={component.name: self._said(component) for component in components},
+            components={
+                component.name: declared(
+                    said_of(component), self._use_case.component_characteristics
+                )
+                for component in components
+            },
             terminals=tuple(
                 PlannedTerminal(name, ref.component, in_mm(self._board.openings[ref]))
                 for ref, name in self._names.items()
@@ -338,15 +347,7 @@ class _Wiring:
             terminals=(self._names[wire.a], self._names[wire.b]),
             slot_mm=(min(high, max(low, slot_x)), self._around.slot_y),
             characteristics=self._stated(wire),
-            routes=(
-                Route(
-                    path,
-                    tuple(
-                        RouteClip(clip.name, in_mm(self._board.clips[clip.name])) for clip in clips
-                    ),
-                    tuple(sorted(set(wire.route))),
-                ),
-            ),
+            routes=(route_on(self._board, path, clips, wire.route),),
             first=self._first.get(wire.name),
             meeting_mm=None if able else self._around.meeting(path),
             preferred_arm=nearer.name if nearer else None,
@@ -373,13 +374,6 @@ class _Wiring:
             LAYING_TURN: self._turns.get(wire.name, 0),
         }
         return declared(said, self._use_case.task_characteristics)
-
-    def _said(self, component: Component) -> dict[str, Value]:
-        said: dict[str, Value] = {
-            "role": component.role.value,
-            "part_number": component.part_number,
-        }
-        return declared(said, self._use_case.component_characteristics)
 
 
 def _access(component: Component, terminal: Terminal) -> Access:

@@ -17,7 +17,7 @@ from remodel_production.core.board.board import Board
 from remodel_production.core.board.formboard import Limb, limbs
 from remodel_production.core.board.formboard import Point as PointM
 from remodel_production.core.imports.assembly import unique_name
-from remodel_production.core.production import Segment
+from remodel_production.core.production import Clip, Component, Segment
 from remodel_production.errors import OrderError
 from remodel_tasks.core.condition import Value
 from remodel_tasks.core.orders.work_order import Route, RouteClip, Task, WorkOrder, take_name
@@ -89,6 +89,19 @@ class Surroundings:
 def in_mm(point: PointM) -> Point:
     """Return a point of a board [m] in mm."""
     return round(1e3 * point[0]), round(1e3 * point[1])
+
+
+def route_on(
+    board: Board, path: tuple[Point, ...], clips: Iterable[Clip], segments: Iterable[str]
+) -> Route:
+    """Return a route [mm] with the places of its clips, and each of its segments once."""
+    held = tuple(RouteClip(clip.name, in_mm(board.clips[clip.name])) for clip in clips)
+    return Route(path, held, tuple(sorted(set(segments))))
+
+
+def said_of(component: Component) -> dict[str, Value]:
+    """Return what a design says of a component that a use case may have a characteristic for."""
+    return {"role": component.role.value, "part_number": component.part_number}
 
 
 _TRUNK, _BRANCH = "trunk", "branch"
@@ -220,15 +233,7 @@ class _Mounting:
             terminals=(begin.name, end.name),
             slot_mm=(x, y if branch.parent else self._around.slot_y),
             characteristics=declared(said, self._use_case.task_characteristics),
-            routes=(
-                Route(
-                    path,
-                    tuple(
-                        RouteClip(clip.name, in_mm(self._board.clips[clip.name])) for clip in clips
-                    ),
-                    tuple(sorted({segment.name for segment, _ in routes})),
-                ),
-            ),
+            routes=(route_on(self._board, path, clips, (segment.name for segment, _ in routes)),),
             first=End.A,
         )
 
@@ -239,11 +244,7 @@ class _Mounting:
         name, position = f"{branch.name} {what}", self._place[node]
         if component is not None:
             name, position = component.name, self._centre[connector]
-            said = {
-                "kind": _CONNECTOR,
-                "role": component.role.value,
-                "part_number": component.part_number,
-            }
+            said = {"kind": _CONNECTOR, **said_of(component)}
         name = unique_name(name, self._components)
         self._components[name] = declared(said, self._use_case.component_characteristics)
         terminal = PlannedTerminal(f"{name}:{branch.name}", name, position)

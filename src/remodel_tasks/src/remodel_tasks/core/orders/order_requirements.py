@@ -14,6 +14,7 @@ from dataclasses import dataclass
 
 from remodel_production.errors import OrderError
 from remodel_tasks.core.problem.fields import Fields
+from remodel_tasks.core.problem.instance import end_from
 from remodel_tasks.core.problem.preferences import document_fields, requirements
 from remodel_tasks.core.problem.problem import End
 
@@ -59,8 +60,7 @@ def order_requirements(documents: Iterable[object]) -> OrderRequirements:
                 by_hand |= dict.fromkeys(_names(item, "by_hand"), item.text("name"))
             elif item.has("begin"):
                 item.only("name", "begin", "at")
-                end = End[item.choice("at", ("a", "b")).upper()]
-                first |= dict.fromkeys(_names(item, "begin"), end)
+                first |= dict.fromkeys(_names(item, "begin"), end_from(item, "at"))
     return OrderRequirements(tuple(by_hand.items()), tuple(first.items()))
 
 

@@ -19,7 +19,12 @@ from remodel_run.whole_task import WholeTask, whole_tasks
 from remodel_tasks.core.condition import Features, Value, is_number, terminal_features
 from remodel_tasks.core.orders.order_format import FORMAT
 from remodel_tasks.core.problem.fields import Fields
-from remodel_tasks.core.problem.instance import arm_from, characteristics_of, terminal_from
+from remodel_tasks.core.problem.instance import (
+    arm_from,
+    characteristics_of,
+    end_from,
+    terminal_from,
+)
 from remodel_tasks.core.problem.problem import (
     End,
     PlannedArm,
@@ -333,7 +338,7 @@ def _task(item: Fields) -> Task:
         routes=routes,
         meeting_mm=item.pair("meeting") if item.has("meeting") else None,
         preferred_arm=item.text("prefer_arm") if item.has("prefer_arm") else None,
-        first=End("ab".index(item.choice("first", ("a", "b")))) if item.has("first") else None,
+        first=end_from(item, "first") if item.has("first") else None,
         values=tuple((key, values.value(key)) for key in values.keys()) if values else (),  # noqa: SIM118 - not a dict
     )
 

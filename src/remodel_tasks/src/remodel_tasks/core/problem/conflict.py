@@ -23,7 +23,6 @@ class Requirement:
         document: its number.
         index: of the entry in its document.
         source: name of the document.
-        entry: as the document has it.
     """
 
     document: int
@@ -69,12 +68,7 @@ def keeping(documents: Documents, kept: Sequence[Requirement]) -> list[tuple[str
 def conflicts_of(
     requirements: Sequence[_Required], has_plan: Callable[[Sequence[_Required]], bool]
 ) -> list[list[_Required]]:
-    """Return smallest conflicts that share no requirement; a plan keeps what is in none of them.
-
-    Args:
-        requirements: as of `smallest_conflict`.
-        has_plan: likewise.
-    """
+    """Return smallest conflicts that share no requirement; a plan keeps what is in none of them."""
     found: list[list[_Required]] = []
     left = list(requirements)
     while conflict := smallest_conflict(left, has_plan):

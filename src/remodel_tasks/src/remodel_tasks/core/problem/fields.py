@@ -18,11 +18,7 @@ class Fields:
     """A JSON object at a known place in its document."""
 
     def __init__(self, data: object, where: str) -> None:
-        """Take the object, and its place such as `wires[3]`.
-
-        Raises:
-            InstanceError: if it is no object.
-        """
+        """Take the object, and its place such as `wires[3]`; InstanceError if it is no object."""
         if not isinstance(data, Mapping):
             raise InstanceError(
                 f"{where or 'the document'}: expected an object, found {_show(data)}"

@@ -140,8 +140,8 @@ def _wire(item: Fields, states: dict[str, Fields]) -> PlannedWire:
     if name in states:
         state = states[name]
         stage = _STAGES[state.choice("stage", tuple(_STAGES))]
-        first = _end(state, "first") if state.has("first") else None
-        jammed = _end(state, "jam") if state.has("jam") else None
+        first = end_from(state, "first") if state.has("first") else None
+        jammed = end_from(state, "jam") if state.has("jam") else None
     return PlannedWire(
         name,
         (item.text("a"), item.text("b")),
@@ -187,16 +187,17 @@ def _handover(item: Fields) -> Handover:
     return Handover(item.pair("pos"), (item.number("route_a"), item.number("route_b")))
 
 
-def _end(item: Fields, key: str) -> End:
+def end_from(item: Fields, key: str) -> End:
+    """Return a field that is the letter of an end."""
     return End("ab".index(item.choice(key, ("a", "b"))))
 
 
 def _pin(item: Fields) -> Pin:
     return Pin(
         item.text("before"),
-        _end(item, "before_end"),
+        end_from(item, "before_end"),
         item.text("after"),
-        _end(item, "after_end"),
+        end_from(item, "after_end"),
         source=item.where,
     )
 
@@ -375,7 +376,7 @@ def _action(fields: Fields) -> Action:
     kind = ActionKind(fields.choice("a", tuple(kind.value for kind in ActionKind)))
     end = None
     if kind in _WITH_END:
-        end = End("ab".index(fields.choice("end", ("a", "b"))))
+        end = end_from(fields, "end")
     elif kind is ActionKind.ROUTE:
         to = fields.choice("to", ("a", "b", _HANDOVER_POINT))
         end = None if to == _HANDOVER_POINT else End("ab".index(to))

@@ -30,11 +30,12 @@ refused, unless the entry says `if_any: true`.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
-from remodel_production.errors import InfeasibleError, InstanceError
+from remodel_production.errors import InfeasibleError, InstanceError, blamed
 from remodel_tasks.core.condition import Test, Value, is_number
+from remodel_tasks.core.problem.defects import require_sound
 from remodel_tasks.core.problem.fields import Fields
 from remodel_tasks.core.problem.problem import (
     End,
@@ -176,12 +177,23 @@ def apply_preferences(
     return preferred
 
 
-def document_fields(data: object) -> Fields:
-    """Return the fields of a preferences document.
+def apply_documents(
+    preferred: Preferred, documents: Sequence[tuple[str, object]], situations: frozenset[str]
+) -> Preferred:
+    """Return the problem with the preferences of parsed documents, after each of them sound.
 
     Raises:
-        InstanceError: if it is none.
+        InstanceError: naming the document, and what `apply_preferences` or `require_sound` says.
     """
+    for name, document in documents:
+        with blamed(name):
+            preferred = apply_preferences(preferred, document, situations)
+            require_sound(preferred.problem)
+    return preferred
+
+
+def document_fields(data: object) -> Fields:
+    """Return the fields of a preferences document; InstanceError if it is none."""
     fields = Fields(data, "")
     fields.only("format", "zones", "weights", "prefer", "require")
     fields.choice("format", (FORMAT,))

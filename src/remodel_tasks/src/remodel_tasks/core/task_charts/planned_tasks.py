@@ -168,12 +168,7 @@ def planned_task(
 def continuing_from(
     prepared: Prepared, planned: PlannedTask, connected: Collection[str]
 ) -> PlannedTask:
-    """Return a task that connects first what is connected already, such as by another plan.
-
-    Args:
-        prepared: the order that the task is of.
-        planned: the task.
-        connected: letters of the ends that sit in their terminals.
+    """Return a task that connects first the ends that are connected, such as by another plan.
 
     Raises:
         InstanceError: if no method of the use case begins with that end.
@@ -189,12 +184,7 @@ def continuing_from(
 
 
 def with_other_end(prepared: Prepared, planned: PlannedTask) -> PlannedTask | None:
-    """Return a task whose other end comes first; None if its use case does not let it.
-
-    Args:
-        prepared: the order that the task is of.
-        planned: the task.
-    """
+    """Return a task whose other end comes first; None if its use case does not let it."""
     designs = prepared.use_case.designs
     if designs is not None and designs.first not in (None, LONGER_LEG):
         return None
@@ -207,13 +197,7 @@ def with_other_end(prepared: Prepared, planned: PlannedTask) -> PlannedTask | No
 def with_other_method(
     prepared: Prepared, planned: PlannedTask, state_path: str
 ) -> PlannedTask | None:
-    """Return a task with another method for the step that failed; None if there is none.
-
-    Args:
-        prepared: the order that the task is of.
-        planned: the task.
-        state_path: of the state that failed, in the task's behavior.
-    """
+    """Return a task with another method for the step that failed; None if there is none."""
     decomposition = planned.decomposition
     failed = step_of(state_path)
     steps = [step for step in decomposition.steps if step.title == failed]

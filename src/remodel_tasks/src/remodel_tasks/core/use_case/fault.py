@@ -51,7 +51,6 @@ class Response:
     """One thing to do.
 
     Attributes:
-        do: what.
         times: how often before the next response has its turn.
         change: parameter -> change; only with Do.RETRY_WITH.
     """
@@ -66,7 +65,6 @@ class Fault:
     """A kind of fault.
 
     Attributes:
-        name: stable name.
         codes: error codes (remodel_msgs/ErrorCode) that report it.
         after: how often in a row one of its codes must have come in one task.
         symptoms: what can be seen, felt or heard, a sentence.
@@ -102,11 +100,7 @@ class FaultTable:
         return tuple(self._faults)
 
     def of(self, code: int) -> Fault:
-        """Return the fault that an error code reports by itself.
-
-        Raises:
-            KeyError: if none does.
-        """
+        """Return the fault that an error code reports by itself; KeyError if none does."""
         fault = self.diagnose([code])
         if fault is None:
             raise KeyError(f"no fault has error code {code}")
@@ -175,9 +169,7 @@ class Policy:
 
     Attributes:
         responses: fault name -> responses, where a use case responds otherwise than the table.
-        limits: see Limits.
         unattended: what to do instead of asking an operator when there is none: SET_ASIDE or STOP.
-        question: see QuestionLimit.
     """
 
     responses: Mapping[str, tuple[Response, ...]] = field(default_factory=dict)

@@ -33,8 +33,6 @@ class Bounds:
 
     Attributes:
         frozen: value that is used without learning.
-        low: least safe value.
-        high: greatest safe value.
         count: how many values are tried; the frozen one is among them.
     """
 
