@@ -8,7 +8,7 @@ import time
 from pathlib import Path
 
 from remodel_planner.commands.options.common import (
-    moves,
+    count,
     refuses,
     seconds,
     seed,
@@ -62,7 +62,7 @@ def main(arguments: list[str] | None = None) -> int:
     )
     parser.add_argument(
         "--moves",
-        type=moves,
+        type=count,
         metavar="N",
         help="end each search after N moves and not by the clock: the same plan on any machine",
     )

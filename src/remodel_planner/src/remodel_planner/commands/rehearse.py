@@ -13,6 +13,7 @@ from tqdm import tqdm
 
 from remodel_planner.commands.options.common import (
     add_database_option,
+    count,
     refuses,
     seed,
     seeds,
@@ -71,7 +72,7 @@ def main(arguments: list[str] | None = None) -> int:
         "in the simulated cell with this seed",
     )
     parser.add_argument(
-        "--wires", type=_count, default=0, metavar="N", help="only the first N (default: all)"
+        "--wires", type=count, default=0, metavar="N", help="only the first N (default: all)"
     )
     parser.add_argument("--cell", default="", help="name or file (default: that of the use case)")
     parser.add_argument("--use-case", default="", metavar="NAME", help="(default: by the design)")
@@ -80,7 +81,7 @@ def main(arguments: list[str] | None = None) -> int:
     )
     parser.add_argument(
         "--workers",
-        type=_count,
+        type=count,
         default=len(os.sched_getaffinity(0)),
         metavar="N",
         help="processes on this machine (default: its cores, %(default)s)",
@@ -249,10 +250,3 @@ def _bar(count: int | None) -> tqdm:
         disable=None,
         bar_format="{percentage:3.0f} % |{bar:16}| {elapsed} of {remaining}  {desc}",
     )
-
-
-def _count(text: str) -> int:
-    value = int(text)
-    if value < 1:
-        raise argparse.ArgumentTypeError(f"expected a number of at least 1, found {text}")
-    return value

@@ -39,11 +39,7 @@ def run(main: Callable[[], int]) -> NoReturn:
 
 
 def refuses(name: str) -> Callable[[Main], Main]:
-    """Let a command print an error of the planner as a line, and return 1 then, as all commands.
-
-    Args:
-        name: of the command, which the line begins with.
-    """
+    """Let a command print an error of the planner as a line, and return 1 then, as all commands."""
 
     def decorate(main: Main) -> Main:
         @wraps(main)
@@ -99,11 +95,11 @@ def seeds(text: str) -> tuple[int, ...]:
     return tuple(dict.fromkeys(found))
 
 
-def moves(text: str) -> int:
-    """Read a number of moves."""
+def count(text: str) -> int:
+    """Read a number of things."""
     value = int(text)
     if value < 1:
-        raise argparse.ArgumentTypeError(f"expected a number of moves of at least 1, found {text}")
+        raise argparse.ArgumentTypeError(f"expected a number of at least 1, found {text}")
     return value
 
 

@@ -10,7 +10,6 @@ import sys
 import time
 import uuid
 from collections.abc import Mapping
-from types import TracebackType
 
 import rospy
 from remodel_msgs.msg import (
@@ -50,11 +49,7 @@ class RunBar:
     """One line of a terminal that is rewritten; nothing where the output is no terminal."""
 
     def __init__(self, wires: int) -> None:
-        """Show an empty bar.
-
-        Args:
-            wires: of the run, each a part of the bar; a cable has several.
-        """
+        """Show an empty bar for a number of wires, each a part of it; a cable has several."""
         self._bar = tqdm(
             total=wires,
             file=sys.stdout,
@@ -63,16 +58,7 @@ class RunBar:
             bar_format="{percentage:3.0f} % |{bar:16}| {elapsed}  {desc}",
         )
 
-    def __enter__(self) -> RunBar:
-        """Return the bar."""
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def close(self) -> None:
         """Remove the bar."""
         self._bar.close()
 
@@ -183,7 +169,7 @@ class RunFollower:
         clock, began_s = SteadyClock(), time.monotonic()
         began_ros_s = clock.read(rospy.get_time(), began_s)
         total = len(self._log.state(self.number).tasks)
-        with RunBar(total) as bar:
+        with contextlib.closing(RunBar(total)) as bar:
             while True:
                 goal.wait(_READ_S)
                 now_s = time.monotonic()
