@@ -3,8 +3,10 @@
 import threading
 import time
 from collections import deque
+from itertools import count
 from types import SimpleNamespace
 
+import pytest
 import rospy
 
 from flexbe_core.testing import wait_until
@@ -81,3 +83,29 @@ def test_a_full_disk_ends_the_recording_of_one_run_only(tmp_path, full_disk, mon
     finally:
         end.set()
         next(t for t in threading.enumerate() if t.name == "scene recorder").join()
+
+
+def test_a_joint_that_turns_slowly_beside_a_fast_one_is_recorded(tmp_path, monkeypatch):
+    class Turning:
+        """A cell whose joints turn a little further each time that it is read."""
+
+        turns = 0
+        add_viewer = staticmethod(lambda change: None)
+
+        @property
+        def now(self):
+            self.turns += 1
+            return CellState(joints={"fast": 0.01 * self.turns, "slow": 2e-4 * self.turns})
+
+    monkeypatch.setattr(rospy, "get_time", count(1.0).__next__)
+    case = SimpleNamespace(run=1, order="house", is_under_way=True, started_s=1.0, interruptions=0)
+    cell, end, files = Turning(), threading.Event(), SceneFiles(tmp_path)
+    SceneRecorder(cell, files, lambda: case, deque(), end)
+    recorder = next(t for t in threading.enumerate() if t.name == "scene recorder")
+    try:
+        assert wait_until(lambda: cell.turns >= 20)
+    finally:
+        end.set()
+        recorder.join()
+    joints = files.read(1, "house", time.time()).at(1e9).joints
+    assert joints["slow"] == pytest.approx(2e-4 * cell.turns, abs=6e-4)

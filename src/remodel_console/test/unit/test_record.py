@@ -1,8 +1,11 @@
 """The record of a run: what was so at each moment of it."""
 
 import pytest
+from remodel_msgs.msg import RunEntry
+from remodel_msgs.srv import GetRunResponse
 
 from remodel_console.core.record import Record, in_chart_terms, value_words
+from remodel_console.ros import use_case_link
 from remodel_run.record import Entry, Kind, entry_words
 
 
@@ -135,3 +138,11 @@ def test_states_of_a_record_go_by_their_names_in_the_chart():
     assert named.moment(0).state == "Place / Insert, before an attempt"
     unknown = in_chart_terms(record, lambda _: frozenset())
     assert unknown.moment(0).state == "Place / Insert_attempts"
+
+
+def test_entries_are_read_from_messages(monkeypatch):
+    message = RunEntry(position=1, kind="state", state_path="/A", names=["force_n"], values=[2.0])
+    answer = GetRunResponse(success=True, entries=[message], total=1)
+    monkeypatch.setattr(use_case_link, "call_service", lambda *args: answer)
+    (found,) = use_case_link.RecordLink().record(7).entries
+    assert found == entry(1, 0.0, Kind.STATE, state_path="/A", values=(("force_n", 2.0),))

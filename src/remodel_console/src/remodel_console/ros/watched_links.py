@@ -356,7 +356,8 @@ class SceneRecorder:
             return
         if self._is_first:
             changes[0]["whole"] = True
-        self._state, self._is_first = state, False
+        joints = {**self._state.joints, **change.get("joints", {})}  # what turns slowly adds up
+        self._state, self._is_first = replace(state, joints=joints), False
         try:
             self._file.writelines(frame_text(now_s, one) for one in changes)
             self._file.flush()
