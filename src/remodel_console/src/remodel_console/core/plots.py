@@ -17,7 +17,7 @@ from typing import Any, TypeAlias
 
 Options: TypeAlias = dict[str, Any]  # JSON; ECharts documents the keys
 
-# The look of what all plots have: texts, lines, and what is shown at the pointer.
+# How texts, lines and what is shown at the pointer are drawn in all plots.
 TEXT: Options = {"color": "var(--ink)", "fontSize": 12}
 LINE: Options = {"lineStyle": {"color": "var(--line)"}}
 TOOLTIP: Options = {
