@@ -9,7 +9,7 @@ import rostest
 from playwright.sync_api import expect
 
 sys.path.insert(0, str(Path(__file__).parent))
-from fake_cell import MESHES, MIDDLE_OF_W4, FakeCell
+from fake_cell import MESHES, FakeCell
 from fake_supervisor import FakeSupervisor
 from inbox_case import HIDE, SHOW
 
@@ -17,6 +17,8 @@ from remodel_console.testing.browser_test import WEBGL_WITHOUT_GPU, BrowserTest
 from remodel_supervision.core.runs.events import Ending, RunEnded
 
 CHANGES = "() => Number(document.querySelector('.cell-view').dataset.changes)"
+# On a wire that lies still: another one would have left the place before the click.
+MIDDLE_OF_W1 = "() => document.querySelector('.cell-view').screenPointOf('W1')"
 MOVES = 3  # changes, by which it is seen to move
 
 
@@ -41,15 +43,15 @@ class CellViewLiveTest(BrowserTest):
         supervisor.run("cabinet 7")
         expect(page.locator(".order-head .title")).to_have_text("cabinet 7")
         facts = page.locator(".wire-facts")
-        x, y = page.evaluate(MIDDLE_OF_W4)
-        page.mouse.click(x, y)
+        expect(page.locator("tr.task.running")).to_be_visible()
+        page.mouse.click(*page.evaluate(MIDDLE_OF_W1))
+        expect(facts).to_contain_text("done, 1 attempt")
+        self.choose(page, "Wire", "W4")
         expect(facts).to_contain_text("K1/A2 to X1/2, BK, 1 mm2")
         expect(facts).to_contain_text("running, 1 attempt")
         supervisor.ask()
         expect(facts).to_contain_text("Insertion jammed: 22 N at 6 mm of 14 mm; the cell asks you.")
         self.take_picture(page, "cell")
-        self.choose(page, "Wire", "W1")
-        expect(facts).to_contain_text("done, 1 attempt")
         runtime = self.open_page("/runtime")
         expect(runtime.get_by_role("img", name="The cell")).to_have_attribute("data-wires", "W1 W4")
         expect(runtime.locator(f".cell-view[data-meshes='{MESHES}']")).to_be_visible()
