@@ -6,15 +6,14 @@ import signal
 
 import rospy
 import rostest
+from order_client import wait_until
 from remodel_msgs.msg import (
     ErrorCode,
     LayWireActionGoal,
     LayWireActionResult,
     OperatorQuestion,
-    UseCaseState,
 )
-from remodel_msgs.srv import AnswerQuestion, InjectFault
-from supervision_case import SupervisionCase, call, planner
+from supervision_case import SupervisionCase
 
 from remodel_states.edge.exported_tables import read_abilities
 
@@ -28,8 +27,6 @@ class SupervisionFaultsTest(SupervisionCase):
 
     def kill_during_a_motion_fault(self, node):
         """Kill a node before it learns that an arm has stopped; check that a person is asked."""
-        rospy.wait_for_service("cell/inject_fault", 180.0)
-        victim = self.pid(node)
         faults, stopped, blocked, begun = [], [], [], []
 
         def on_goal(_):
@@ -46,25 +43,22 @@ class SupervisionFaultsTest(SupervisionCase):
         lay = "remodel_abilities/laywire"
         layings = rospy.Subscriber(f"{lay}/goal", LayWireActionGoal, on_goal)
         results = rospy.Subscriber(f"{lay}/result", LayWireActionResult, blocked.append)
-        inject = rospy.ServiceProxy("cell/inject_fault", InjectFault)
-        self.start(2)
-        self.wait(self.task_running, "the panel is loaded, which mends all faults")
-        caused = inject(kind="motion_blocked", target="ask_operator", values=[])
-        self.assertTrue(caused.success, caused.message)
-        faults.append(caused)
-        self.wait(lambda: stopped and blocked, "the arm is stopped")
+        run = self.orders.start(2)
+        victim = self.orders.pid(node)
+        self.assertTrue(victim, f"{node} runs")
+        self.inject("motion_blocked")
+        faults.append("motion_blocked")
+        wait_until(lambda: stopped and blocked, "the arm is stopped")
         self.assertEqual(blocked[-1].result.error_code, ErrorCode.MOTION_FAULT)
         before = len(begun)
         os.kill(victim, signal.SIGKILL)
-        self.wait(lambda: self.pid(node) not in (0, victim), f"{node} respawns")
-        self.wait(lambda: self.last().phase == UseCaseState.ASKING, "the operator is asked")
+        wait_until(lambda: self.orders.pid(node) not in (0, victim), f"{node} respawns")
+        question = self.asked()
         self.assertEqual(len(begun), before, "nothing begins before the answer")
-        question = self.last().question
         self.assertIn("Motion blocked", question.text)
-        given = {"question": question.number, "choice": OperatorQuestion.STOP, "by": "ann"}
-        self.assertTrue(call("answer", AnswerQuestion, **given).success)
-        self.wait(lambda: self.last().phase == UseCaseState.ENDED, "the run ends")
-        self.assertIn("had ended", planner("explain", str(self.last().run)).stdout)
+        self.answer(question, OperatorQuestion.STOP)
+        self.orders.wait_for_end(run)
+        self.assertIn("had ended", self.planner("explain", str(run)).stdout)
         for subscriber in (*goals, results, layings):
             subscriber.unregister()
 
