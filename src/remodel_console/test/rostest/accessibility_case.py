@@ -1,6 +1,5 @@
 """What the tests of accessibility share: pages with contents, and the rules of axe-core."""
 
-import contextlib
 import sys
 from pathlib import Path
 
@@ -47,16 +46,10 @@ class AccessibilityCase(BehaviorTestCase):
             self.press(page, "Breakpoint")
             expect(page.locator(".state-hint")).to_be_visible()
         elif address.startswith("/replay"):
-            self.wait_until(lambda: self.is_compared(page), "the comparison")
+            expect(page.locator(".clock")).to_be_visible()
+            self.choose(page, "Compare with", "13  cabinet 7")
+            expect(page.locator(".compare-table tr.first")).to_be_visible()
         return page
-
-    def is_compared(self, page):
-        """Choose the run to compare with; again if the list was loaded again just then."""
-        self.choose(page, "Compare with", "13  cabinet 7")
-        with contextlib.suppress(AssertionError):
-            expect(page.locator(".compare-table tr.first")).to_be_visible(timeout=5000)
-            return True
-        return False
 
     def broken(self, page, where, shown, theme):
         """Return the rules that a page breaks, each with its element."""

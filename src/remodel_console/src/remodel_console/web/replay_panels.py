@@ -103,7 +103,9 @@ class ComparisonPanel:
         own = self._open.run if self._open else 0
         names = {n: f"{n}  {one.order}" for n, one in self._runs.items() if n != own}
         self._other = self._other if self._other in names else 0
-        self._choice.set_options({0: "no run"} | names, value=self._other)
+        options = {0: "no run"} | names
+        if options != self._choice.options:  # else somebody may be choosing just now
+            self._choice.set_options(options, value=self._other)
 
     async def _choose(self) -> None:
         if self._choice.value != self._other:

@@ -33,7 +33,7 @@ from remodel_work.robot.arm import Arm, Kinematics, ToolPose
 
 # Two bases need this much room between them [m].
 BASES_APART_M = 0.50
-# A bin stands so far beside the plate, or further [m]: a wire's end that is dropped clears the edge.
+# A bin stands so far beside the plate, or further [m]: what is dropped clears the edge.
 BIN_ROOM_M = 0.05
 # There are so many labels: DICT_4X4_250.
 MARKERS = 250
