@@ -190,7 +190,7 @@ def main() -> int:
         row, cabinet = board_row(file)
         print("  ".join(filter(None, row.values())), flush=True)
         rows.append(row)
-        if cabinet is not None:
+        if cabinet is not None and any(wire.ducts for wire in cabinet.panel.wires):
             cabinets.append((row, cabinet))
     missed = 0
     for row, cabinet in rng.sample(cabinets, min(options.most, len(cabinets))):
