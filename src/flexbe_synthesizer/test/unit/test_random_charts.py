@@ -40,13 +40,19 @@ def test_engine_and_reference_agree(fresh_seed):
 @pytest.mark.slow
 @pytest.mark.parametrize("chunk", range(CHUNKS))
 def test_engine_and_reference_agree_on_many_charts(fresh_seed, chunk):
-    """And the charts are worth running: most are accepted, and all their runs are explored."""
-    found = judged(fresh_seed + chunk * AT_ONCE, AT_ONCE)
+    judged(fresh_seed + chunk * AT_ONCE, AT_ONCE)
+
+
+@pytest.mark.slow
+def test_the_charts_are_worth_running():
+    """Most are accepted, and all their runs are explored."""
+    count = 2 * AT_ONCE
+    found = judged(0, count)  # not fresh ones: of a hundred these shares are left to chance
     kinds = Counter(verdict.kind for verdict in found.values())
-    assert kinds["agree"] > 0.7 * AT_ONCE, kinds
-    assert kinds["refused"] > 0.05 * AT_ONCE, kinds
-    assert kinds["refused without need"] < 0.08 * AT_ONCE, kinds
-    assert sum(not verdict.is_explored for verdict in found.values()) < 0.03 * AT_ONCE
+    assert kinds["agree"] > 0.7 * count, kinds
+    assert kinds["refused"] > 0.05 * count, kinds
+    assert kinds["refused without need"] < 0.08 * count, kinds
+    assert sum(not verdict.is_explored for verdict in found.values()) < 0.03 * count
 
 
 def test_a_seed_is_one_chart_in_every_process():
