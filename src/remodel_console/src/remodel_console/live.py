@@ -18,8 +18,8 @@ from remodel_console.core.running import (
     Decisions,
     LogLine,
     Order,
-    Plain,
     SetAutonomy,
+    SimpleOrder,
     Start,
     Switch,
     TakeOutcome,
@@ -268,7 +268,7 @@ class Steering:
                 self.order(Attach(run.level))
             self._joined = run.behavior_id
             if not run.has_structure and self._structure_asked != run.behavior_id:
-                self.order(Plain.SHOW_STRUCTURE)
+                self.order(SimpleOrder.SHOW_STRUCTURE)
                 self._structure_asked = run.behavior_id
 
     def order(self, order: Order) -> None:

@@ -361,20 +361,26 @@ class Release:
         return f"unlock {self.path}".rstrip()
 
 
-class Plain(Enum):
-    """An order that says all by its name; the values are for the record."""
+class SimpleOrder(Enum):
+    """An order without data; its value is what the record says.
 
-    PAUSE = "pause"  # execute the active state no further
-    RESUME = "resume"  # and again
-    REPEAT = "repeat"  # leave the active state and enter it again
-    PREEMPT = "stop"  # the behavior
-    SHOW_STRUCTURE = "show structure"  # publish the states and their outcomes
+    PAUSE executes the active state no further until RESUME. REPEAT leaves it and enters it again.
+    PREEMPT stops the behavior. SHOW_STRUCTURE has the engine publish the states and their outcomes.
+    """
+
+    PAUSE = "pause"
+    RESUME = "resume"
+    REPEAT = "repeat"
+    PREEMPT = "stop"
+    SHOW_STRUCTURE = "show structure"
 
     def __str__(self) -> str:
         return self.value
 
 
-Order: TypeAlias = Start | Switch | Attach | SetAutonomy | TakeOutcome | Hold | Release | Plain
+Order: TypeAlias = (
+    Start | Switch | Attach | SetAutonomy | TakeOutcome | Hold | Release | SimpleOrder
+)
 
 
 _SEVERITIES = {0: "info", 1: "warning", 2: "hint", 3: "error", 10: "debug"}

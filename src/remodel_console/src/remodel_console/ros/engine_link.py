@@ -194,13 +194,13 @@ def _messages(order: running.Order) -> tuple[tuple[str, Message], ...]:
             return ((topics.LOCK, String(path)),)
         case running.Release(path):
             return ((topics.UNLOCK, String(path)),)
-        case running.Plain.PAUSE | running.Plain.RESUME:
-            return ((topics.PAUSE, Bool(order is running.Plain.PAUSE)),)
-        case running.Plain.REPEAT:
+        case running.SimpleOrder.PAUSE | running.SimpleOrder.RESUME:
+            return ((topics.PAUSE, Bool(order is running.SimpleOrder.PAUSE)),)
+        case running.SimpleOrder.REPEAT:
             return ((topics.REPEAT, Empty()),)
-        case running.Plain.SHOW_STRUCTURE:
+        case running.SimpleOrder.SHOW_STRUCTURE:
             return ((topics.SHOW_STRUCTURE, Int32(0)),)
-        case running.Plain.PREEMPT:
+        case running.SimpleOrder.PREEMPT:
             return ((topics.PREEMPT, Empty()),)
 
 

@@ -104,7 +104,7 @@ class ComparisonPanel:
         names = {n: f"{n}  {one.order}" for n, one in self._runs.items() if n != own}
         self._other = self._other if self._other in names else 0
         options = {0: "no run"} | names
-        if options != self._choice.options:  # else somebody may be choosing just now
+        if options != self._choice.options:  # else it stays: an operator may be choosing from it
             self._choice.set_options(options, value=self._other)
 
     async def _choose(self) -> None:

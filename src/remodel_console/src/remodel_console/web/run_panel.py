@@ -16,9 +16,9 @@ from remodel_console.core.running import (
     Hold,
     Order,
     Pairs,
-    Plain,
     Release,
     SetAutonomy,
+    SimpleOrder,
     Start,
     Switch,
     TakeOutcome,
@@ -244,10 +244,10 @@ class RunPanel:
             self._control("Step mode", self.other_mode(view), "skip_next")
         with ui.row().classes("controls"):
             if view.is_paused:
-                self._control("Continue", Plain.RESUME, "play_arrow")
+                self._control("Continue", SimpleOrder.RESUME, "play_arrow")
             else:
-                self._control("Pause", Plain.PAUSE, "pause")
-            self._control("Repeat", Plain.REPEAT, "replay")
+                self._control("Pause", SimpleOrder.PAUSE, "pause")
+            self._control("Repeat", SimpleOrder.REPEAT, "replay")
             if view.held is not None:
                 self._control("Unlock", Release(view.held), "lock_open")
             else:
@@ -313,7 +313,7 @@ class RunPanel:
         self._page.ask(
             "Stop the behavior and cancel its goals?",
             "Stop",
-            partial(self._order, Plain.PREEMPT),
+            partial(self._order, SimpleOrder.PREEMPT),
         )
 
 

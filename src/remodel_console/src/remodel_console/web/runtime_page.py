@@ -16,8 +16,8 @@ from remodel_console.core.running import (
     Hold,
     LogLine,
     Order,
-    Plain,
     Release,
+    SimpleOrder,
     Switch,
 )
 from remodel_console.core.world import Kind, World
@@ -358,8 +358,8 @@ class RuntimePage(Page):
         if not view.is_supervised or not self.is_operator:
             return
         orders: dict[str, Order] = {
-            "p": Plain.RESUME if view.is_paused else Plain.PAUSE,
-            "r": Plain.REPEAT,
+            "p": SimpleOrder.RESUME if view.is_paused else SimpleOrder.PAUSE,
+            "r": SimpleOrder.REPEAT,
             "l": Hold(view.active) if view.held is None else Release(view.held),
             "s": self._panel.other_mode(view),
         }
