@@ -234,8 +234,11 @@ class FakeCellTest(unittest.TestCase):
             time.sleep(0.005)
         loaded = call("slow/cell/load_panel", LoadPanel, panel=PANEL, owner=2)
         self.assertEqual(loaded.error_code, ErrorCode.BUSY)
+        taken_over = call("slow/cell/feed_wire", FeedWire, owner=2)
+        self.assertEqual(taken_over.error_code, ErrorCode.BUSY)
         self.assertTrue(client.wait_for_result(rospy.Duration(90.0)))
         self.assertEqual(client.get_result().error_code, ErrorCode.STALE_OWNER)
+        self.assertTrue(call("slow/cell/feed_wire", FeedWire, owner=2).success)
 
     def test_a_server_misbehaves_as_requested(self):
         client = self.clients["FixCable"]

@@ -44,13 +44,7 @@ class CellServices(Node):
 
     def on_feed(self, wire: str, owner: int, reply: Reply) -> None:
         site = self._site
-        if site.locks.get(self._cell) is not None:
-            reply(AbilityError(ErrorCode.BUSY, "the robot is doing a goal"))
-            return
-        try:
-            site.admit(self._cell, owner)
-        except AbilityError as error:
-            reply(error)
+        if not self._admit(owner, reply):
             return
         self._motion = motion = Motion(
             self._station,
@@ -80,6 +74,22 @@ class CellServices(Node):
             reply(None)
 
         self.deliver(effect_s, take_effect)
+
+    def on_take_over(self, owner: int, reply: Reply) -> None:
+        if self._admit(owner, reply):
+            reply(None)
+
+    def _admit(self, owner: int, reply: Reply) -> bool:
+        """Return whether a supervisor may have something done; reply if not."""
+        try:
+            self._site.admit(self._cell, owner)
+        except AbilityError as error:
+            reply(error)
+            return False
+        if self._site.locks.get(self._cell) is None:
+            return True
+        reply(AbilityError(ErrorCode.BUSY, "the robot is doing a goal"))
+        return False
 
     def _release(self) -> None:
         if self._motion is not None:

@@ -190,6 +190,13 @@ class SimulatedCell:
     def feed(self, wire: str, owner: int) -> None:
         self._ask(self._services.on_feed, wire, owner)
 
+    def take_over(self, owner: int) -> bool:
+        try:
+            self._ask(self._services.on_take_over, owner)
+        except RefusedError as error:
+            return error.code != Code.BUSY
+        return True
+
     def placed(self, wire: str) -> bool | None:
         self._process.step()
         if not self._services.is_up:

@@ -75,6 +75,7 @@ class FakeCell:
     def __init__(self):
         self.fed, self.loaded, self.trouble, self.truth = [], [], None, True
         self.refusal = self.demands = None
+        self.feeds, self.take_overs = False, []
         self.at = "rosrpc://cell:1"
 
     def wait(self, limit_s):
@@ -95,6 +96,11 @@ class FakeCell:
             trouble, self.trouble = self.trouble, None
             raise trouble
         self.fed.append(wire)
+
+    def take_over(self, owner):
+        if self.take_overs:
+            raise self.take_overs.pop(0)
+        return not self.feeds
 
     def placed(self, wire):
         return self.truth

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 import yaml
 from house import house_order
-from supervisor_bench import FakeAbilities, FakeEngine, FakeLoop
+from supervisor_bench import FakeAbilities, FakeCell, FakeEngine, FakeLoop
 
 from flexbe_synthesizer.core.chart.chart_reader import parse_chart
 from flexbe_synthesizer.core.chart.error_routes import codes_of_routes
@@ -239,7 +239,7 @@ class SupervisedWalk(Walk):
         self.begun_after = []
         engine = WalkedEngine(lambda: self.through(chart))
         self.tasks = TaskSupervisor(
-            FakeLoop(), engine, FakeAbilities(), Gate(), lambda operation: None
+            FakeLoop(), engine, FakeAbilities(), FakeCell(), Gate(), lambda operation: None
         )
         self.tasks.stop_all(1.0)
         self.tasks.run(chart.name, lambda operation: None)

@@ -18,6 +18,7 @@ from remodel_supervision.core.runs.event_table import attempts_of
 from remodel_supervision.core.runs.events import (
     Answered,
     Asked,
+    Blocked,
     Command,
     Commanded,
     Decided,
@@ -266,12 +267,16 @@ def test_a_new_supervisor_resumes_where_the_old_one_died(bench):
     assert state.interruptions == 1
 
 
-def test_a_skip_during_a_resume_is_answered_when_nothing_moves(bench):
+@pytest.mark.parametrize(
+    ("mover", "name", "moves", "rests"),
+    [("abilities", "stalled", ("PickCable",), ()), ("cell", "feeds", True, False)],
+)
+def test_a_skip_during_a_resume_is_answered_when_nothing_moves(bench, mover, name, moves, rests):
     with pytest.raises(KilledError):
         bench.run("finished", KilledError())
     second = bench.events(Planned)[0].tasks[1]
     bench.take_up()
-    bench.abilities.stalled = ("PickCable",)
+    setattr(getattr(bench, mover), name, moves)
     replies = []
 
     def skip():
@@ -280,13 +285,28 @@ def test_a_skip_during_a_resume_is_answered_when_nothing_moves(bench):
             return
         replies.append(bench.command(Command.SKIP, second))
         bench.loop.arrivals.append(lambda: heard.append(list(replies[0])))
-        bench.loop.arrivals.append(lambda: setattr(bench.abilities, "stalled", ()))
+        bench.loop.arrivals.append(lambda: setattr(getattr(bench, mover), name, rests))
 
     heard = []
     bench.loop.arrivals.append(skip)
     bench.run()
-    assert heard == [[]], "the server of the last supervisor still moved"
+    assert heard == [[]], "what the last supervisor began still moved"
     assert replies == [[(True, "")]]
+
+
+def test_a_cell_that_is_gone_while_it_is_taken_over_is_asked_again(bench):
+    bench.cell.take_overs = [LostError("the cell does not answer")] * 3
+    assert bench.run().ended.ending is Ending.COMPLETE
+    assert not bench.events(Blocked)
+
+
+def test_a_cell_that_never_rests_blocks_the_run(bench):
+    bench.cell.feeds = True
+    assert bench.run().ended.ending is Ending.STOPPED
+    assert [event.because for event in bench.events(Blocked)] == [
+        "the cell still moves; stop the cell by hand"
+    ]
+    assert (bench.cell.fed, bench.engine.ran) == ([], [])
 
 
 def test_a_shutdown_leaves_no_event_and_the_next_start_resumes(bench):

@@ -125,9 +125,12 @@ class Services:
         def feed() -> None:
             self._owner.cell.admit(request.owner)
             self._require_idle()
-            self._owner.cell.feed(request.wire_id, request.channel_id)
+            if request.wire_id:
+                self._owner.cell.feed(request.wire_id, request.channel_id)
 
         text = f"{request.wire_id} lies in {request.channel_id}"
+        if not request.wire_id:
+            text = "no piece is being presented"
         return srv.FeedWireResponse(*self._coded(feed, text))
 
     def _load_panel(self, request: srv.LoadPanelRequest) -> srv.LoadPanelResponse:

@@ -82,6 +82,8 @@ class CellServices:
 
     def _feed_wire(self, request: srv.FeedWireRequest) -> srv.FeedWireResponse:
         def feed() -> str:
+            if not request.wire_id:
+                return "no piece is being presented"
             self._feed(request.wire_id, request.channel_id, request.owner)
             return f"{request.wire_id} lies in {request.channel_id}"
 

@@ -181,6 +181,12 @@ class Cell(Protocol):
     def feed(self, wire: str, owner: int) -> None:
         """Present a piece of a wire; RefusedError if the feeder cannot."""
 
+    def take_over(self, owner: int) -> bool:
+        """Refuse earlier owners from now on; return whether nothing moves that they asked for.
+
+        Only what the services were asked for counts. LostError if the cell does not answer.
+        """
+
     def placed(self, wire: str) -> bool | None:
         """Return whether a wire is placed, by ground truth; None if there is none of it."""
 

@@ -14,6 +14,7 @@ from remodel_supervision.core.runs.state import FINISHED, PERSON_FIRST, PREEMPTE
 from remodel_supervision.supervisors.ports import (
     Abilities,
     BehaviorEnd,
+    Cell,
     EndKind,
     Engine,
     EventLoop,
@@ -45,6 +46,7 @@ class TaskSupervisor:
         loop: EventLoop,
         engine: Engine,
         abilities: Abilities,
+        cell: Cell,
         gate: Gate,
         report_stop: Keep,
         owner: int = 0,
@@ -56,6 +58,7 @@ class TaskSupervisor:
             loop: time, and what arrives.
             engine: that runs behaviors.
             abilities: that the cell has.
+            cell: its services.
             gate: that all operations pass.
             report_stop: keeps an operation of a behavior that was given up, after which a person
                 is to answer first; raises PlannerError if it cannot.
@@ -72,6 +75,7 @@ class TaskSupervisor:
         self._loop = loop
         self._engine = engine
         self._abilities = abilities
+        self._cell = cell
         self._gate = gate
         self._keep: Keep | None = None
         self._kept: Counter[str] = Counter()
@@ -150,7 +154,7 @@ class TaskSupervisor:
             self.behavior, self._keep = "", None
 
     def stop_all(self, limit_s: float) -> None:
-        """Stop whatever runs, and return when engine and abilities have reported that they rest.
+        """Stop whatever runs, and return when engine, abilities and cell report that they rest.
 
         Args:
             limit_s: [s] wall time that it gets.
@@ -170,6 +174,7 @@ class TaskSupervisor:
             end_s,
             lambda: ", ".join(self._abilities.restless(since_s)),
         )
+        self._take_over_cell(end_s)
         self._gate.clear()
         self._unended.clear()
         self.report_stops()
@@ -362,6 +367,19 @@ class TaskSupervisor:
                 raise LostError(self._engine.trouble)
             self._loop.run_until(lambda: self._engine.end is not None or or_until(), _CHECK_S)
         return self._engine.end
+
+    def _take_over_cell(self, end_s: float) -> None:
+        """Wait until nothing moves that this or an earlier owner asked the cell's services for."""
+        while True:
+            try:
+                if self._cell.take_over(self._owner):
+                    return
+                why = "the cell still moves"
+            except LostError as error:
+                why = str(error)
+            if self._loop.wall_s() >= end_s:
+                raise LostError(f"{why}; stop the cell by hand")
+            self._loop.run_until(lambda: False, _CHECK_S)
 
     def _await_path(self) -> None:
         """Wait until the engine has published, on another topic, which states it has entered."""

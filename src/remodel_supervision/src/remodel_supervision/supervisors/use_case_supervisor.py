@@ -91,6 +91,7 @@ class UseCaseSupervisor:
             loop,
             peers.engine,
             abilities,
+            peers.cell,
             gate,
             report_stop=record.report_stop,
             owner=record.owner,

@@ -9,7 +9,7 @@ from typing import TypeVar
 
 import rospy
 from genpy import Message
-from remodel_msgs.msg import Panel
+from remodel_msgs.msg import ErrorCode, Panel
 from remodel_msgs.srv import FeedWire, GetGroundTruth, LoadPanel, TakePicture
 from sensor_msgs.msg import Image
 
@@ -97,6 +97,17 @@ class Cell:
             RefusedError: if the feeder cannot.
         """
         self._ask("feed_wire", f"feed wire {wire}", wire_id=wire, owner=owner)
+
+    def take_over(self, owner: int) -> bool:
+        """Refuse earlier owners from now on; return whether nothing moves that they asked for.
+
+        A cell answers when its feeder rests, or that it is busy; any other refusal says so, too.
+
+        Raises:
+            LostError: if it does not answer.
+        """
+        answer = self._call("feed_wire", "take over the cell", wire_id="", owner=owner)
+        return answer.error_code != ErrorCode.BUSY
 
     def placed(self, wire: str) -> bool | None:
         """Return whether a wire is placed, by ground truth; None if there is none of it.
