@@ -1,5 +1,6 @@
 """A protective stop holds the cell, with or without a run; a command is answered in time."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
@@ -210,6 +211,23 @@ def test_a_pause_names_the_server_that_stalls_and_nothing_begins_before_it_rests
     assert ran[0] == ran[1], "nothing begins while the server may still complete its goal"
     assert state.ended.ending is Ending.COMPLETE
     assert bench.supervisor.doing == "ending: all tasks are done"
+
+
+def test_a_pause_names_the_feeder_of_the_supervisor_before_if_it_does_not_rest(bench):
+    bench.work = replace(bench.work, reconnect_s=100.0)
+    bench.take_up()
+    bench.cell.feeds, replies = True, []
+    after(bench.loop, 1.0, lambda: replies.extend([bench.command(Command.PAUSE)]))
+
+    def rest():
+        bench.cell.feeds = False
+        bench.command(Command.RESUME)
+
+    after(bench.loop, REST_LIMIT_S + 5.0, rest)
+    assert bench.run().ended.ending is Ending.COMPLETE
+    (((granted, text),),) = replies
+    assert not granted
+    assert "not at rest 30 s after it was asked for: the feeder" in text
 
 
 def test_a_stop_names_the_server_that_stalls(bench):

@@ -90,6 +90,7 @@ class TaskSupervisor:
         self._unended: dict[str, tuple[str, float]] = {}
         self._is_cut = False
         self._settling = True
+        self._awaits_feeder = False
 
     @property
     def is_still(self) -> bool:
@@ -113,7 +114,7 @@ class TaskSupervisor:
             since_s: [s] wall time at which rest was asked for.
         """
         names = list(self.unrested)
-        if FEEDER in self._gate.moving:
+        if FEEDER in self._gate.moving or self._awaits_feeder:
             names.append("the feeder")
         if self._settling or self._gate.halt:
             names += self._abilities.restless(since_s)
@@ -174,7 +175,11 @@ class TaskSupervisor:
             end_s,
             lambda: ", ".join(self._abilities.restless(since_s)),
         )
-        self._take_over_cell(end_s)
+        self._awaits_feeder = True
+        try:
+            self._take_over_cell(end_s)
+        finally:
+            self._awaits_feeder = False
         self._gate.clear()
         self._unended.clear()
         self.report_stops()
