@@ -22,6 +22,9 @@ from flexbe_core.engine.supervision import checksum
 # Here packages are direct children, and below are the files of everything else on the machine.
 _SYSTEM_SHARE = "/usr/share"
 
+# What ElementTree raises: the last two for an encoding that it does not know, or cannot read.
+XML_ERRORS = (ElementTree.ParseError, LookupError, ValueError)
+
 
 def packages_exporting(element: str, warn: Callable[[str], None]) -> dict[str, Path]:
     """Return the folders of packages whose package.xml exports `element`, by their names.
@@ -31,12 +34,49 @@ def packages_exporting(element: str, warn: Callable[[str], None]) -> dict[str, P
         warn: called with a message for each package.xml that cannot be read.
     """
     found: dict[str, Path] = {}
-    for root in rospkg.get_ros_paths():
-        for folder in _package_folders(root):
-            name = _name_if_exporting(folder / "package.xml", element, warn)
-            if name is not None:
-                found.setdefault(name, folder)
+    for folder, name, package in _packages(element, warn):
+        if name and package.find(f"export/{element}") is not None:
+            found.setdefault(name, folder)
     return found
+
+
+def package_folder(name: str) -> Path | None:
+    """Return the folder of a ROS package; None if there is none."""
+    found = _packages(name, lambda text: None)
+    return next((folder for folder, its_name, _ in found if its_name == name), None)
+
+
+def named_file(name: str) -> Path:
+    """Return the path of a file that is named absolutely, from home, or as package/folder/file.
+
+    Raises:
+        FileNotFoundError: if there is no such package.
+    """
+    if name.startswith(("/", "~")):
+        return Path(os.path.expanduser(name))  # Path.expanduser raises for an unknown user
+    package, _, rest = name.partition("/")
+    folder = package_folder(package)
+    if folder is None:
+        raise FileNotFoundError(
+            f"cannot find file {name!r}: there is no ROS package {package!r}; "
+            "write package/file, ~/file or /file"
+        )
+    return folder / rest
+
+
+def _packages(
+    word: str, warn: Callable[[str], None]
+) -> Iterator[tuple[Path, str, ElementTree.Element]]:
+    """Yield folder, name and package.xml of the packages whose package.xml has a word in it."""
+    for folder in (each for root in rospkg.get_ros_paths() for each in _package_folders(root)):
+        file = folder / "package.xml"
+        try:
+            text = file.read_bytes()
+            if word.encode() in text:
+                package = ElementTree.fromstring(text)
+                yield folder, (package.findtext("name") or "").strip(), package
+        except (OSError, *XML_ERRORS) as error:
+            warn(f"{file} is left out: {error}")
 
 
 def _package_folders(root: str) -> Iterator[Path]:
@@ -54,20 +94,6 @@ def _package_folders(root: str) -> Iterator[Path]:
             subfolders.clear()
         else:
             subfolders[:] = sorted(name for name in subfolders if not name.startswith("."))
-
-
-def _name_if_exporting(file: Path, element: str, warn: Callable[[str], None]) -> str | None:
-    try:
-        text = file.read_bytes()
-        if element.encode() not in text:
-            return None
-        root = ElementTree.fromstring(text)
-    except (OSError, ElementTree.ParseError) as error:
-        warn(f"{file} is left out: {error}")
-        return None
-    if root.find(f"export/{element}") is None:
-        return None
-    return (root.findtext("name") or "").strip() or None
 
 
 # Read a behavior's manifest.
@@ -110,7 +136,7 @@ def read_manifest(text: bytes) -> Manifest | None:
     """
     try:
         root = ElementTree.fromstring(text)
-    except ElementTree.ParseError as error:
+    except XML_ERRORS as error:
         raise ManifestError(f"is not well-formed XML: {error}") from error
     if root.tag != "behavior":
         return None
@@ -228,11 +254,10 @@ class BehaviorLibrary:
         for file in _xml_files(Path(path)):
             try:
                 manifest = _read(file)
+                if manifest is not None and pkg in (None, manifest.package):
+                    self._add(manifest, file)
             except (OSError, ManifestError) as error:
                 self._warn(f"manifest {file} is left out: it {error}")
-                continue
-            if manifest is not None and pkg in (None, manifest.package):
-                self._add(manifest, file)
 
     def _add(self, manifest: Manifest, file: Path) -> None:
         same = self._find(manifest.name)
@@ -273,18 +298,13 @@ class BehaviorLibrary:
 
 def _xml_files(folder: Path) -> Iterator[Path]:
     """Yield the files that may be manifests, in a fixed order; reading a FIFO would never end."""
-    try:
-        entries = sorted(folder.iterdir())
-    except OSError:
-        return
-    for entry in entries:
-        if entry.name.startswith((".", "#")):
-            continue
-        if entry.is_dir():
-            if not entry.is_symlink():
-                yield from _xml_files(entry)
-        elif entry.suffix == ".xml" and entry.name != "package.xml" and entry.is_file():
-            yield entry
+    for at, folders, files in os.walk(folder):
+        folders[:] = sorted(name for name in folders if not name.startswith((".", "#")))
+        for name in sorted(files):
+            file = Path(at, name)
+            is_named_so = name.endswith(".xml") and not name.startswith((".", "#"))
+            if is_named_so and name != "package.xml" and file.is_file():
+                yield file
 
 
 def _read(file: Path) -> Manifest | None:

@@ -96,6 +96,8 @@ BROKEN = {
     "one component": MANIFEST.format(name="x", path="cell"),
     "a file name": MANIFEST.format(name="x", path="cell.x_sm.py/../y"),
     "nothing at all": "",
+    "an unknown encoding": "<?xml version='1.0' encoding='none'?><behavior name='x'/>",
+    "an encoding that cannot be read": "<?xml version='1.0' encoding='big5'?><behavior name='x'/>",
 }
 
 
@@ -117,12 +119,16 @@ def test_other_files_of_a_package_cost_nothing(workspace, warnings):
     assert warnings == []
 
 
-def test_a_broken_package_anywhere_costs_one_warning(workspace, warnings):
+def test_a_broken_package_anywhere_costs_one_warning_each(workspace, warnings):
     add_package(workspace, "cell", {"Good": "good_sm"})
     write(workspace / "broken" / "package.xml", "<package><export><flexbe_behaviors/>")
     write(workspace / "unconcerned" / "package.xml", "<package><name>")
+    write(
+        workspace / "encoded" / "package.xml",
+        "<?xml version='1.0' encoding='a'?><flexbe_behaviors/>",
+    )
     assert BehaviorLibrary().names() == ("Good",)
-    assert len(warnings) == 1
+    assert len(warnings) == 2
 
 
 def test_of_two_behaviors_with_one_name_the_first_is_used(workspace, warnings):

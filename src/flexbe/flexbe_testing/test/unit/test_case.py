@@ -115,10 +115,14 @@ def test_what_cannot_be_found_or_read_is_reported(package):
         case_files(["other"], "my_states")
     with pytest.raises(CaseError, match="there is no ROS package 'nothing'"):
         case_files([], "nothing")
+    with pytest.raises(CaseError, match="there is no test case '~nobody_here/x'"):
+        case_files(["~nobody_here/x"], "my_states")
     broken = package / "tests" / "broken.test"
-    broken.write_text("{")
-    with pytest.raises(CaseError, match="cannot read it"):
-        read_case_file(broken)
+    for text in (b"{", b"\xff", b"input: {day: 2026-13-01}"):
+        broken.write_bytes(text)
+        assert broken in case_files([], "my_states")
+        with pytest.raises(CaseError, match="cannot read it"):
+            read_case_file(broken)
 
 
 # Cases that need no running nodes; those of stock_style run well

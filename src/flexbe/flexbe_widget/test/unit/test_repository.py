@@ -49,6 +49,13 @@ def test_nothing_is_overwritten(tmp_path):
     assert not (tmp_path / "a" / "c").exists()
 
 
+def test_what_cannot_be_written_whole_is_not_written(tmp_path):
+    (tmp_path / "c").write_text("a file, where a folder is needed")
+    with pytest.raises(RepositoryError, match="cannot write into"):
+        write_new_files(tmp_path, {"a/b": "new", "c/d": "new"})
+    assert not (tmp_path / "a" / "b").exists()
+
+
 def test_a_name_that_no_package_can_have_is_refused():
     with pytest.raises(RepositoryError, match="'My Cell' cannot be the name of packages"):
         repository("My Cell")

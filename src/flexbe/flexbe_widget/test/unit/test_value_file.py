@@ -47,10 +47,26 @@ def test_a_file_is_found_from_home_and_in_packages(file, monkeypatch):
         ("{file}:number/deeper", "at 'deeper' there are: no entries"),
         ("{broken}:x", "is not YAML"),
         ("{binary}", "cannot read file"),
+        ("~nobody_here/x", "cannot read file ~nobody_here/x"),
+        ("/a\0b", "embedded null byte"),
+        ("{deep}:x", "is not YAML"),
+        ("{date}:x", "is not YAML: month must be in 1..12"),
+        ("/dev/zero", "is longer than 16777216 characters"),
     ],
 )
 def test_what_cannot_be_read_is_explained(file, place, text):
     (broken := file.with_name("broken.yaml")).write_text("{")
     (binary := file.with_name("binary")).write_bytes(b"\xff\xfe")
+    (deep := file.with_name("deep.yaml")).write_text("[" * 5000)
+    (date := file.with_name("date.yaml")).write_text("x: 2026-13-01\n")
+    names = {"file": file, "broken": broken, "binary": binary, "deep": deep, "date": date}
     with pytest.raises(RequestError, match=text):
-        resolved("file://" + place.format(file=file, broken=broken, binary=binary))
+        resolved("file://" + place.format(**names))
+
+
+def test_a_file_is_found_although_another_package_is_broken(file, tmp_path, monkeypatch):
+    for name, text in (("a", "<package><name>"), ("b", "<package><name>mine</name></package>")):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "package.xml").write_text(text)
+    monkeypatch.setenv("ROS_PACKAGE_PATH", str(tmp_path))
+    assert resolved("file://mine/package.xml") == "<package><name>mine</name></package>"

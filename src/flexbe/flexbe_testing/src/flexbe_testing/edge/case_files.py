@@ -10,9 +10,9 @@ from typing import Any
 import genpy
 import rosbag
 import roslib.message
-import rospkg
 import yaml
 
+from flexbe_core import behavior_library
 from flexbe_testing.core.case import Case, CaseError, read_case
 
 _SUFFIX = ".test"
@@ -30,10 +30,12 @@ def case_files(names: Sequence[str], package: str) -> list[Path]:
     Raises:
         CaseError: if one cannot be found.
     """
-    folder = package_folder(package) if package else Path.cwd()
+    folder = behavior_library.package_folder(package) if package else Path.cwd()
+    if folder is None:
+        raise CaseError(f"there is no ROS package {package!r}")
     if not names:
         found = sorted(folder.glob(f"{_FOLDER}/*{_SUFFIX}")) if package else []
-        return [file for file in found if not file.read_text().lstrip().startswith("<")]
+        return [file for file in found if not file.read_bytes().lstrip().startswith(b"<")]
     return [_case_file(name, folder) for name in names]
 
 
@@ -56,26 +58,14 @@ def resource(name: str) -> Path:
     Raises:
         CaseError: if there is no such package.
     """
-    if name.startswith(("/", "~")):
-        return Path(name).expanduser()
-    package, _, rest = name.partition("/")
-    return package_folder(package) / rest
-
-
-def package_folder(package: str) -> Path:
-    """Return the folder of a ROS package.
-
-    Raises:
-        CaseError: if there is none.
-    """
     try:
-        return Path(rospkg.RosPack().get_path(package))
-    except rospkg.ResourceNotFound as error:
-        raise CaseError(f"there is no ROS package {package!r}") from error
+        return behavior_library.named_file(name)
+    except FileNotFoundError as error:
+        raise CaseError(str(error)) from error
 
 
 def _case_file(name: str, folder: Path) -> Path:
-    path = Path(name).expanduser()
+    path = behavior_library.named_file(name) if name.startswith("~") else Path(name)
     tried = [folder / path, folder / _FOLDER / path]
     tried += [candidate.with_name(candidate.name + _SUFFIX) for candidate in tuple(tried)]
     for candidate in tried:
@@ -125,7 +115,11 @@ def load_case(text: str) -> object:
         mark = error.problem_mark
         where = f"line {mark.line + 1}: " if mark else ""
         raise CaseError(f"{where}{error.problem}") from error
-    except yaml.YAMLError as error:
+    except (
+        yaml.YAMLError,
+        ValueError,
+        RecursionError,
+    ) as error:  # the second of an impossible date
         raise CaseError(f"cannot read it: {error}") from error
 
 

@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-import rospkg
 import yaml
 
+from flexbe_core.behavior_library import named_file
 from flexbe_widget.core.repository import RepositoryError
 
 
@@ -28,7 +28,7 @@ class LogError(Exception):
 
 _SCHEME = "file://"
 
-# [bytes] A value is sent in a message; a longer file was meant for something else.
+# A value is sent in a message; a file with more characters was meant for something else.
 _LONGEST_FILE = 1 << 24
 
 
@@ -61,32 +61,28 @@ def _split(place: str) -> tuple[str, str]:
 
 
 def _read(name: str) -> str:
-    path = _path(name)
     try:
-        if path.stat().st_size > _LONGEST_FILE:
-            raise RequestError(f"file {path} is longer than {_LONGEST_FILE} bytes")
-        return path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
+        path = named_file(name)
+    except FileNotFoundError as error:
+        raise RequestError(str(error)) from error
+    try:
+        with path.open(encoding="utf-8") as file:
+            text = file.read(_LONGEST_FILE + 1)
+    except (OSError, ValueError) as error:
         raise RequestError(f"cannot read file {path}: {error}") from error
-
-
-def _path(name: str) -> Path:
-    if name.startswith(("/", "~")):
-        return Path(name).expanduser()
-    package, _, rest = name.partition("/")
-    try:
-        return Path(rospkg.RosPack().get_path(package)) / rest
-    except (rospkg.ResourceNotFound, OSError) as error:
-        raise RequestError(
-            f"cannot find file {name!r}: there is no ROS package {package!r}; "
-            "write package/file, ~/file or /file"
-        ) from error
+    if len(text) > _LONGEST_FILE:
+        raise RequestError(f"file {path} is longer than {_LONGEST_FILE} characters")
+    return text
 
 
 def _entry(name: str, text: str, key: str) -> object:
     try:
         found = yaml.safe_load(text)
-    except yaml.YAMLError as error:
+    except (
+        yaml.YAMLError,
+        ValueError,
+        RecursionError,
+    ) as error:  # the second of an impossible date
         raise RequestError(f"file {name} is not YAML: {error}") from error
     for part in key.split("/") if key else ():
         if not isinstance(found, dict) or part not in found:
@@ -141,9 +137,13 @@ def write_new_files(folder: Path, files: Mapping[str, str]) -> None:
     there = [path for path in files if (folder / path).exists()]
     if there:
         raise RepositoryError(f"{folder / there[0]} exists already; nothing was written")
+    written: list[Path] = []
     try:
         for path, text in files.items():
             (folder / path).parent.mkdir(parents=True, exist_ok=True)
-            (folder / path).write_text(text, encoding="utf-8")
+            written.append(folder / path)
+            written[-1].write_text(text, encoding="utf-8")
     except OSError as error:
+        for file in written:
+            file.unlink(missing_ok=True)
         raise RepositoryError(f"cannot write into {folder}: {error}") from error
