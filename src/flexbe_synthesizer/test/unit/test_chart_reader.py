@@ -4,10 +4,10 @@ import pytest
 from hypothesis import given
 from synthesizer_support.strategies import WILD_NAMES, charts
 
-from flexbe_synthesizer.core.chart.chart_reader import parse_chart
+from flexbe_synthesizer.core.chart.chart_reader import parse_chart, read_chart
 from flexbe_synthesizer.core.chart.chart_writer import write_chart
 from flexbe_synthesizer.core.chart.model import Chart, Input, Outcome, Param, State, Transition
-from flexbe_synthesizer.core.chart.problem import ChartError
+from flexbe_synthesizer.core.chart.problem import ChartError, ProblemKind
 from flexbe_synthesizer.core.chart.xml_tree import XmlTree
 
 
@@ -99,6 +99,29 @@ def test_a_text_without_the_form_of_a_chart_raises_all_its_problems():
     lines = str(caught.value).splitlines()
     assert len(lines) == 5
     assert all(line.startswith("c.xml:1:") for line in lines)
+
+
+@pytest.mark.parametrize("element", ["<p:/>", "<:/>", '<p: p:="" x=""/>'])
+def test_an_element_without_a_name_behind_its_prefix_is_unknown(element):
+    _chart, problems = read_chart(
+        f'<statemachine name="A" initial="a">\n{element}</statemachine>', "c"
+    )
+    found = [(p.code, p.position[1:]) for p in problems]
+    assert (ProblemKind.UNKNOWN_ELEMENT, (2, 1)) in found
+    root, problems = read_chart(element, "c")
+    assert root is None
+    assert ProblemKind.UNKNOWN_ELEMENT in {p.code for p in problems}
+
+
+def test_an_attribute_with_a_prefix_is_reported_where_it_stands():
+    _chart, problems = read_chart(
+        '<statemachine xmlns:e="urn:remodel:statechart:ext:1" xmlns:f="urn:f" name="A"\n'
+        ' initial="a"\n f:name="B"\n e:initial="b"/>',
+        "c",
+    )
+    places = {p.code: p.position[1:] for p in problems}
+    assert places[ProblemKind.UNKNOWN_ATTRIBUTE] == (3, 2)
+    assert places[ProblemKind.UNKNOWN_EXTENSION] == (4, 2)
 
 
 INPUT = '<statemachine xmlns:ext="urn:remodel:statechart:ext:1" name="A" initial="S"><datamodel>'

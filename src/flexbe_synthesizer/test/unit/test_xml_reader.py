@@ -109,6 +109,37 @@ def test_encodings_are_read_or_refused_with_a_reason():
     assert "0xe9 is not utf-8" in message
 
 
+@pytest.mark.parametrize(
+    ("source", "place", "found"),
+    [
+        (b"\xef\xbb\xbf<a>\n\xff</a>", (2, 1), "0xff is not utf-8"),
+        ("\ufeff<\u0a0a>\nb".encode("utf-16-le") + b"\0\xd8<\0", (2, 2), "is not utf-16"),
+        (b"<a>\r\r\n \xff</a>", (3, 2), "0xff is not utf-8"),
+        (b"<a>\r\r\n \0</a>", (3, 2), "NUL"),
+        (b'<?xml version="1.0"?>\r <!DOCTYPE a><a/>', (2, 2), "document type"),
+    ],
+)
+def test_places_are_those_of_an_editor_whatever_marks_and_line_ends_the_file_has(
+    source, place, found
+):
+    _code, at, message = problem_of(source)
+    assert at == place
+    assert found in message
+
+
+def test_attributes_on_lines_that_end_as_on_old_machines_know_where_they_stand():
+    root = read_xml("<a x='1'\r  y='2'\r\nz='3'/>", "f").root
+    assert [a.position[1:] for a in root.attributes] == [(1, 4), (2, 3), (3, 1)]
+
+
+def test_an_attribute_that_two_prefixes_of_one_namespace_give_is_a_problem():
+    document = read_xml('<a xmlns:p="urn:x" xmlns:q="urn:x" p:k="1"\n q:k="2" k="3"/>', "f.xml")
+    (problem,) = document.problems
+    assert (problem.code, problem.position[1:]) == (ProblemKind.DUPLICATE_ATTRIBUTE, (2, 2))
+    assert "'q:k' stands twice" in problem.message
+    assert [a.value for a in document.root.attributes] == ["1", "3"]
+
+
 def test_half_characters_and_deep_nesting_are_no_trouble():
     assert problem_of("<a>\ud800</a>")[0] is ProblemKind.NOT_XML
     deep = read_xml("<a>" * 50_000 + "</a>" * 50_000, "f").root

@@ -204,7 +204,7 @@ class ElementReader:
         """Return the attributes without namespace and those of the extension."""
         plain: dict[str, str] = {}
         extensions: dict[str, str] = {}
-        unknown: list[tuple[str, str]] = []
+        unknown: list[str] = []
         for spelled, value in element.attrib.items():
             namespace, name = split_name(spelled)
             if not namespace and name in shape.attributes:
@@ -217,7 +217,7 @@ class ElementReader:
             elif namespace == EXTENSION and name in shape.extensions:
                 extensions[name] = value
             elif namespace != _SCHEMA_INSTANCE:
-                unknown.append((namespace, name))
+                unknown.append(spelled)
         self._report_attributes(element, unknown, shape)
         for name in shape.required:
             if name not in plain:
@@ -227,34 +227,27 @@ class ElementReader:
                 self.report(self._tree.place(element), ProblemKind.MISSING_ATTRIBUTE, message + ".")
         return plain, extensions
 
-    def _report_attributes(
-        self, element: Element, unknown: Sequence[tuple[str, str]], shape: Shape
-    ) -> None:
+    def _report_attributes(self, element: Element, unknown: Sequence[str], shape: Shape) -> None:
         """Report the attributes that the shape does not have; of very many only the first."""
-        for namespace, name in unknown[:_MOST_UNKNOWN]:
+        tag = tag_name(element)
+        for spelled in unknown[:_MOST_UNKNOWN]:
+            namespace, found = split_name(spelled)
+            kind = ProblemKind.UNKNOWN_ATTRIBUTE
             if namespace == EXTENSION:
-                self._report_extension(element, name, shape)
+                has = ", ".join(f"ext:{name}" for name in shape.extensions) or "none"
+                kind = ProblemKind.UNKNOWN_EXTENSION
+                message = f"ext:{found} is no extension of <{tag}>; it has: {has}."
+            elif found in shape.extensions:
+                message = f"<{tag}> has no attribute '{found}'; it is an extension: write "
+                message += f'ext:{found}, with xmlns:ext="{EXTENSION}" on top.'
             else:
-                self._report_attribute(element, name, shape)
+                hint = names.allowed(found, shape.attributes)
+                message = f"<{tag}> has no attribute '{found}'; {hint}"
+            self.report(self._tree.place(element, spelled), kind, message)
         more = len(unknown) - _MOST_UNKNOWN
         if more > 0:
-            message = (
-                f"<{tag_name(element)}> has {more} more attributes that are unknown; delete them."
-            )
+            message = f"<{tag}> has {more} more attributes that are unknown; delete them."
             self.report(self._tree.place(element), ProblemKind.UNKNOWN_ATTRIBUTE, message)
-
-    def _report_extension(self, element: Element, found: str, shape: Shape) -> None:
-        has = ", ".join(f"ext:{name}" for name in shape.extensions) or "none"
-        message = f"ext:{found} is no extension of <{tag_name(element)}>; it has: {has}."
-        self.report(self._tree.place(element, found), ProblemKind.UNKNOWN_EXTENSION, message)
-
-    def _report_attribute(self, element: Element, found: str, shape: Shape) -> None:
-        if found in shape.extensions:
-            hint = f'it is an extension: write ext:{found}, with xmlns:ext="{EXTENSION}" on top.'
-        else:
-            hint = names.allowed(found, shape.attributes)
-        message = f"<{tag_name(element)}> has no attribute '{found}'; {hint}"
-        self.report(self._tree.place(element, found), ProblemKind.UNKNOWN_ATTRIBUTE, message)
 
     def _report_child(self, child: Element, element: Element, shape: Shape) -> None:
         """Report a child element that the shape does not have."""
@@ -294,7 +287,7 @@ def split_name(spelled: str) -> tuple[str, str]:
 def tag_name(element: Element) -> str:
     """Return the element's name as the grammar spells it; one of another namespace has none."""
     tag: str = element.tag
-    if tag[0] != "{":
+    if not tag.startswith("{"):  # as it is spelled, which may be nothing: `<prefix:>`
         return tag
     namespace, name = split_name(tag)
     return f"ext:{name}" if namespace == EXTENSION else f"{{}}{name}"

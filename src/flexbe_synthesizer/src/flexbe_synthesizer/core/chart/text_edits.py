@@ -12,7 +12,7 @@ from xml.parsers import expat
 
 from flexbe_synthesizer.core.chart.chart_writer import Part, Style, attribute, part_lines
 from flexbe_synthesizer.core.chart.grammar import EXTENSION
-from flexbe_synthesizer.core.chart.xml_tree import ATTRIBUTE, TAG_NAME
+from flexbe_synthesizer.core.chart.xml_tree import attributes_of, declared_prefix
 
 _HEAD_END = re.compile(rb"\s*/?>")
 _BLANKS = b" \t"
@@ -175,8 +175,8 @@ class XmlLayout:
         self.elements.append(markup)
         declared = []
         for raw, value in zip(pairs[::2], pairs[1::2], strict=True):
-            if raw == "xmlns" or raw.startswith("xmlns:"):
-                prefix = raw.partition(":")[2]
+            prefix = declared_prefix(raw)
+            if prefix is not None:
                 self._namespaces.setdefault(prefix, []).append(value)
                 declared.append(prefix)
         if parent is None:
@@ -186,12 +186,10 @@ class XmlLayout:
 
     def _read_head(self, markup: Markup) -> None:
         """Find the attributes and the end of a start tag."""
-        found = TAG_NAME.match(self.data, markup.start)
-        at = found.end() if found else markup.start
-        while (found := ATTRIBUTE.match(self.data, at)) is not None:
-            span = AttributeSpan(at, found.start(2) + 1, found.end())
+        for found in attributes_of(self.data, markup.start):
+            span = AttributeSpan(found.start(), found.start(2) + 1, found.end())
             markup.attributes[self._known(found[1].decode())] = span
-            at = found.end()
+        at = markup.attributes_end
         closing = _HEAD_END.match(self.data, at)
         markup.head_end = closing.end() if closing else at
         if closing and closing[0].endswith(b"/>"):

@@ -29,8 +29,9 @@ XML_NAMESPACE = "http://www.w3.org/XML/1998/namespace"
 _MOST_DUPLICATES = 100  # each costs a pass over the file; this many are enough to begin with
 _ENCODINGS = {"utf-8", "us-ascii", "ascii", "iso-8859-1", "latin-1", "windows-1252"}
 _DECLARATION = re.compile(rb"""<\?xml\s[^>]*?encoding\s*=\s*["']([\w.:-]+)""")
-TAG_NAME = re.compile(rb"<[^\s/>]+")
-ATTRIBUTE = re.compile(rb"""\s*([^\s=/>]+)\s*=\s*("[^"]*"|'[^']*')""")
+_TAG_NAME = re.compile(rb"<[^\s/>]+")
+_ATTRIBUTE = re.compile(rb"""\s*([^\s=/>]+)\s*=\s*("[^"]*"|'[^']*')""")
+_LINE_END = r"\r\n?|\n"
 
 
 @dataclass(frozen=True)
@@ -160,15 +161,12 @@ def decoded(source: bytes, file: str) -> str:
     encoding = _encoding(source, file)
     try:
         return source.decode(encoding)
-    except UnicodeDecodeError as error:
-        before = source[: error.start]
-        line = before.count(b"\n") + 1
-        column = len(before[before.rfind(b"\n") + 1 :].decode(encoding, "replace")) + 1
+    except UnicodeDecodeError as error:  # it counts from behind the byte order mark of UTF-8
+        before, byte = error.object[: error.start], error.object[error.start]
+        place = _place_behind(before.decode(encoding, "replace"), file)
         expected = encoding.removesuffix("-sig")
-        message = f"byte {source[error.start]:#04x} is not {expected}; save the file as UTF-8."
-        raise ChartError(
-            [Problem(Position(file, line, column), ProblemKind.NOT_XML, message)]
-        ) from error
+        message = f"byte {byte:#04x} is not {expected}; save the file as UTF-8."
+        raise ChartError([Problem(place, ProblemKind.NOT_XML, message)]) from error
 
 
 def encoded(text: str, file: str, like: bytes) -> bytes:
@@ -213,10 +211,30 @@ def _without_nul(text: str, file: str) -> bytes:
     """Return the text in UTF-8; expat would take one with NUL characters for UTF-16."""
     before, nul, _after = text.partition("\0")
     if nul:
-        line, column = before.count("\n") + 1, len(before) - before.rfind("\n")
         message = "a NUL character, which no XML file holds; save the file as UTF-8."
-        raise ChartError([Problem(Position(file, line, column), ProblemKind.NOT_XML, message)])
+        raise ChartError([Problem(_place_behind(before, file), ProblemKind.NOT_XML, message)])
     return text.encode("utf-8", "surrogatepass")
+
+
+def _place_behind(text: str, file: str) -> Position:
+    """Return the place behind the text that a file begins with."""
+    lines = re.split(_LINE_END, text)
+    return Position(file, len(lines), len(lines[-1]) + 1)
+
+
+def attributes_of(data: bytes, start: int) -> Iterator[re.Match[bytes]]:
+    """Yield the attributes of the tag that begins at a byte: blanks, (1) name, (2) quoted value."""
+    tag = _TAG_NAME.match(data, start)
+    at = tag.end() if tag else start
+    while (found := _ATTRIBUTE.match(data, at)) is not None:
+        yield found
+        at = found.end()
+
+
+def declared_prefix(name: str) -> str | None:
+    """Return the prefix that an attribute declares, empty: the default; None: it is another one."""
+    word, _, prefix = name.partition(":")
+    return prefix if word == "xmlns" else None
 
 
 class _DuplicateAttributeError(Exception):
@@ -277,28 +295,27 @@ class _Reading:
         element = _Open(name, here, [])
         self._open.append(element)
         for raw, value in values.items():
-            if raw == "xmlns" or raw.startswith("xmlns:"):
-                prefix = raw.partition(":")[2]
-                self._namespaces.setdefault(prefix, []).append(value)
-                element.prefixes.append(prefix)
+            declared = declared_prefix(raw)
+            if declared is not None:
+                self._namespaces.setdefault(declared, []).append(value)
+                element.prefixes.append(declared)
+        known: set[tuple[str, str]] = set()
         for raw, value in values.items():
-            if raw == "xmlns" or raw.startswith("xmlns:"):
+            if declared_prefix(raw) is not None:
                 continue
             prefix, _, local = raw.rpartition(":")
-            namespace = self._resolve(prefix, places[raw]) if prefix else ""
-            if namespace is not None:
+            namespace = self._namespace(prefix) if prefix else ""
+            if namespace is None:
+                message = (
+                    f"the prefix '{prefix}' is not declared; write "
+                    f'xmlns:{prefix}="..." in the root element.'
+                )
+                self._problems.append(Problem(places[raw], ProblemKind.UNBOUND_PREFIX, message))
+            elif (namespace, local) in known:  # by two prefixes of one namespace
+                self._problems.append(_stands_twice(raw, places[raw]))
+            else:
+                known.add((namespace, local))
                 element.attributes.append(XmlAttribute(namespace, local, value, places[raw]))
-
-    def _resolve(self, prefix: str, position: Position) -> str | None:
-        """Return the namespace of a prefix; report it and return None if nothing declares it."""
-        namespace = self._namespace(prefix)
-        if namespace is None:
-            message = (
-                f"the prefix '{prefix}' is not declared; write "
-                f'xmlns:{prefix}="..." in the root element.'
-            )
-            self._problems.append(Problem(position, ProblemKind.UNBOUND_PREFIX, message))
-        return namespace
 
     def _namespace(self, prefix: str) -> str | None:
         """Return what a prefix stands for in the element that is open; None: nothing."""
@@ -307,17 +324,12 @@ class _Reading:
 
     def _attribute_places(self, here: Position) -> Iterator[tuple[str, Position]]:
         """Yield name and position of each attribute of the tag that expat stands at."""
-        start = self._parser.CurrentByteIndex
-        name = TAG_NAME.match(self._data, start)
-        at = name.end() if name else start
-        line, column, counted = here.line, here.column, start
-        while (found := ATTRIBUTE.match(self._data, at)) is not None:
-            between = self._data[counted : found.start(1)].decode()
-            lines = between.count("\n")
-            column = len(between) - between.rfind("\n") if lines else column + len(between)
-            line, counted = line + lines, found.start(1)
+        line, column, counted = here.line, here.column, self._parser.CurrentByteIndex
+        for found in attributes_of(self._data, counted):
+            *ended, rest = re.split(_LINE_END, self._data[counted : found.start(1)].decode())
+            line, column = line + len(ended), len(rest) + (1 if ended else column)
+            counted = found.start(1)
             yield found[1].decode(), Position(self._file, line, column)
-            at = found.end()
 
     def _end(self, _name: str) -> None:
         done = self._open.pop()
@@ -350,24 +362,19 @@ class _Reading:
     def _refuse_doctype(self, *_declaration: object) -> None:
         message = "a chart has no document type and no entities; delete the <!DOCTYPE ...>."
         start = self._data.rfind(b"<!DOCTYPE", 0, self._parser.CurrentByteIndex + 1)
-        before = self._data[: max(start, 0)].decode()
-        line, column = before.count("\n") + 1, len(before) - before.rfind("\n")
-        raise ChartError(
-            [Problem(Position(self._file, line, column), ProblemKind.DOCTYPE, message)]
-        )
+        place = _place_behind(self._data[: max(start, 0)].decode(), self._file)
+        raise ChartError([Problem(place, ProblemKind.DOCTYPE, message)])
 
     def _explain(self, error: expat.ExpatError) -> Exception:
         """Return what to raise for a fault that expat found."""
         position = Position(self._file, error.lineno, error.offset + 1)
         at = self._parser.ErrorByteIndex
         if error.code == expat.errors.codes[expat.errors.XML_ERROR_DUPLICATE_ATTRIBUTE]:
-            found = ATTRIBUTE.match(self._data, at)
+            found = _ATTRIBUTE.match(self._data, at)
             if found is not None:
-                name = found[1].decode()
-                message = f"the attribute '{name}' stands twice in this element; delete one."
                 blanked = re.sub(rb"[^\r\n]", b" ", found[0])
                 mended = self._data[:at] + blanked + self._data[found.end() :]
-                problem = Problem(position, ProblemKind.DUPLICATE_ATTRIBUTE, message)
+                problem = _stands_twice(found[1].decode(), position)
                 return _DuplicateAttributeError(problem, mended)
         message = f"not well-formed XML: {expat.ErrorString(error.code)}."
         if not self._data.strip():
@@ -378,7 +385,11 @@ class _Reading:
         return ChartError([Problem(position, ProblemKind.NOT_XML, message)])
 
 
-_LINE_END = re.compile(rb"\r\n?|\n")
+def _stands_twice(name: str, position: Position) -> Problem:
+    message = f"the attribute '{name}' stands twice in this element; delete one."
+    return Problem(position, ProblemKind.DUPLICATE_ATTRIBUTE, message)
+
+
 # Between tags, or in a comment or a text, none of which changes the elements and what is in them.
 _INDENTATION = re.compile(rb">[ \t\r\n]+<")
 
@@ -416,28 +427,27 @@ class XmlTree:
         return read_description(self._data)
 
     def place(self, element: Element, attribute: str = "") -> Position:
-        """Return where an attribute of the element stands, else where the element does."""
+        """Return where an attribute of the element stands, else where the element does.
+
+        Of two with one name it is the one without a prefix (xsi:type is not the type), unless the
+        attribute is spelled with a namespace.
+        """
+        namespace, _, name = attribute.rpartition("}")
         if not self._is_fast:
-            return self._exact_place(element, attribute)
+            exact = self._places[id(element)]
+            same = [a for a in exact.attributes if name and a.name == name]
+            same.sort(key=lambda a: (a.namespace == "") is (namespace != ""))
+            return same[0].position if same else exact.position
         start = self._starts[id(element)]
-        found = dict(self._attributes(start)) if attribute else {}
-        spelled = [n for n in found if n.rpartition(":")[2] == attribute]
-        spelled.sort(key=lambda name: ":" in name)  # xsi:type is not the type
-        return self._position(found[spelled[0]] if spelled else start)
+        found = [(m[1].decode(), m.start(1)) for m in attributes_of(self._data, start) if name]
+        spelled = [s for s in found if s[0].rpartition(":")[2] == name]
+        spelled = [s for s in spelled if declared_prefix(s[0]) is None]
+        spelled.sort(key=lambda s: (":" in s[0]) is (namespace == ""))
+        return self._position(spelled[0][1] if spelled else start)
 
     def text_place(self, element: Element) -> Position | None:
         """Return where the first text in the element stands that is not blank."""
         return self._places[id(element)].text
-
-    def _attributes(self, start: int) -> Iterator[tuple[str, int]]:
-        """Yield name and place of each attribute of the tag that begins at a byte."""
-        tag = TAG_NAME.match(self._data, start)
-        at = tag.end() if tag else start
-        while (found := ATTRIBUTE.match(self._data, at)) is not None:
-            name = found[1].decode()
-            if name != "xmlns" and not name.startswith("xmlns:"):
-                yield name, found.start(1)
-            at = found.end()
 
     def _position(self, at: int) -> Position:
         """Return the place of a byte."""
@@ -447,7 +457,7 @@ class XmlTree:
 
     @cached_property
     def _line_starts(self) -> list[int]:
-        return [0, *(end.end() for end in _LINE_END.finditer(self._data))]
+        return [0, *(end.end() for end in re.finditer(_LINE_END.encode(), self._data))]
 
     @cached_property
     def _starts(self) -> Mapping[int, int]:
@@ -458,12 +468,6 @@ class XmlTree:
         parser.StartElementHandler = lambda _name, _given: starts.append(parser.CurrentByteIndex)
         parser.Parse(self._data, True)
         return dict(zip(map(id, self.root.iter()), starts, strict=True))
-
-    def _exact_place(self, element: Element, attribute: str) -> Position:
-        exact = self._places[id(element)]
-        same = [a for a in exact.attributes if a.name == attribute]
-        same.sort(key=lambda a: a.namespace != "")
-        return same[0].position if same else exact.position
 
     @cached_property
     def _exact(self) -> Document:
