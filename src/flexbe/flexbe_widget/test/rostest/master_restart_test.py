@@ -6,6 +6,7 @@ import re
 import signal
 import socket
 import subprocess
+import sys
 import tempfile
 import unittest
 from pathlib import Path
@@ -17,6 +18,18 @@ from flexbe_core.testing import wait_until
 
 LIMIT_S = 90.0
 NODES = ("/behavior", "/behavior_action_server")
+# What they subscribe to last while they are set up.
+SUBSCRIBED = {"/flexbe/start_behavior", "/flexbe/execute_behavior/cancel"}
+
+# A node that takes its time between joining a master and serving.
+LATE_NODE = """
+import sys
+from flexbe_core.ros.master import join, spin
+join("late")
+print("joined", flush=True)
+sys.stdin.readline()
+sys.exit(spin())
+"""
 
 
 class MasterRestartTest(unittest.TestCase):
@@ -29,10 +42,10 @@ class MasterRestartTest(unittest.TestCase):
         self.env = {**os.environ, "ROS_MASTER_URI": self.uri, "ROS_LOG_DIR": folder}
         self.output = Path(folder) / "output.log"
 
-    def start(self, *line):
+    def start(self, *line, **options):
         with self.output.open("a") as output:
             process = subprocess.Popen(
-                line, env=self.env, stdout=output, stderr=subprocess.STDOUT, text=True
+                line, env=self.env, stdout=output, stderr=subprocess.STDOUT, text=True, **options
             )
         self.addCleanup(self.stop, process)
         return process
@@ -56,10 +69,15 @@ class MasterRestartTest(unittest.TestCase):
         found = [answers(master.lookupNode, name) for name in NODES]
         return found if all(found) else None
 
+    def are_set_up(self):
+        master = rosgraph.Master("/test", master_uri=self.uri)
+        _, subscribers, _ = master.getSystemState()
+        return set(dict(subscribers)) >= SUBSCRIBED
+
     def test_both_report_it_and_are_respawned_into_the_new_master(self):
         roscore = self.start_master()
         self.start("roslaunch", "flexbe_widget", "flexbe_action_server.launch")
-        self.assertTrue(wait_until(self.nodes), self.log())
+        self.assertTrue(wait_until(self.are_set_up), self.log())
         former = self.nodes()
         self.stop(roscore)
         self.start_master()
@@ -72,6 +90,15 @@ class MasterRestartTest(unittest.TestCase):
         self.assertEqual(log.count(sentence), len(NODES), log)
         for name in NODES:
             self.assertTrue(re.search(rf"\[{name[1:]}-\d+\].*exit code 69", log), log)
+
+    def test_a_node_reports_a_restart_while_it_was_set_up(self):
+        roscore = self.start_master()
+        late = self.start(sys.executable, "-c", LATE_NODE, stdin=subprocess.PIPE)
+        self.assertTrue(wait_until(lambda: "joined" in self.log()), self.log())
+        self.stop(roscore)
+        self.start_master()
+        late.communicate("serve\n", LIMIT_S)
+        self.assertEqual(late.returncode, 69, self.log())
 
 
 def answers(call, argument):

@@ -122,6 +122,7 @@ class MasterWatch:
         on_restart: Callable[[str], None],
         on_silence: Callable[[str], None] = rospy.logwarn,
         on_return: Callable[[], None] = lambda: None,
+        joined: Identity | None = None,
     ) -> None:
         """Begin to watch; callbacks are called from the thread of the watch.
 
@@ -130,11 +131,12 @@ class MasterWatch:
                 registered with it. Called once for each restart.
             on_silence: gets one sentence when none has answered for SILENCE_S.
             on_return: called when the master answers again after that, and is the same.
+            joined: the master that the node has joined; the one that answers now, if not given.
         """
         self._on_restart = on_restart
         self._on_silence = on_silence
         self._on_return = on_return
-        self._joined = master_identity()
+        self._joined = joined or master_identity()
         self._silent_since: float | None = None
         self._is_silent = False
         self._ended = threading.Event()
@@ -183,18 +185,20 @@ class MasterWatch:
 
 
 _ended = threading.Event()
+_joined: list[Identity | None] = []
 
 
 def join(name: str) -> None:
     """Become a node that SIGINT and SIGTERM end once it calls `spin`, not while it is set up."""
     threading.excepthook = _log_error
     # Without a master, rospy waits for one, and a signal must be able to end that.
-    is_there = master_identity() is not None
-    if is_there:
+    found = master_identity()
+    if found is not None:
         _keep_signals()
     rospy.init_node(name, disable_signals=True)
-    if not is_there:
+    if found is None:
         _keep_signals()
+    _joined[:] = [found or master_identity()]
     _check_node()
 
 
@@ -307,7 +311,8 @@ def spin(serve: Callable[[Callable[[], bool]], None] = _wait) -> int:
         restarts.append(text)
         _ended.set()
 
-    watch = MasterWatch(on_restart)
+    # Another master may answer by now: setting up a node takes some time.
+    watch = MasterWatch(on_restart, joined=_joined[0] if _joined else None)
     served = threading.Event()
     rospy.on_shutdown(lambda: _end(served))
     try:
