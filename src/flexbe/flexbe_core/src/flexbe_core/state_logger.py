@@ -49,6 +49,15 @@ _SERIALIZERS: dict[str, Callable[[Any], Any]] = {
 }
 
 
+class _LineDumper(yaml.SafeDumper):
+    """Writes a text of several lines on one, with escapes."""
+
+    def analyze_scalar(self, scalar: str) -> Any:  # noqa: ANN401 - PyYAML has no types
+        analysis = super().analyze_scalar(scalar)
+        analysis.allow_single_quoted &= not analysis.multiline
+        return analysis
+
+
 class YamlFormatter(logging.Formatter):
     """Formats a record whose message is a dict as an item of a YAML list."""
 
@@ -57,7 +66,8 @@ class YamlFormatter(logging.Formatter):
         found = record.msg if isinstance(record.msg, dict) else {"message": record.getMessage()}
         line = {**found, "logger": record.name, "loglevel": record.levelname}
         line.setdefault("time", clock.now())
-        text: str = yaml.safe_dump(line, default_flow_style=True, sort_keys=False, width=1 << 20)
+        style = {"default_flow_style": True, "sort_keys": False, "width": float("inf")}
+        text: str = yaml.dump(line, Dumper=_LineDumper, **style)
         return f"- {text.strip()}"
 
 
@@ -140,7 +150,7 @@ class StateLogger:
                     rospy.get_param("~log_config", {}),
                 )
             )
-        except (OSError, ValueError, TypeError) as error:
+        except (OSError, ValueError, TypeError, AttributeError, RuntimeError) as error:
             rospy.logerr("no run log of %s is written: %s", be_name, error)
             return
         StateLogger.enabled = True

@@ -125,6 +125,31 @@ def test_a_full_disk_ends_the_run_log_and_not_the_run(monkeypatch):
     assert "No space left on device" in reports[0]
 
 
+def test_a_text_of_several_lines_takes_one_line_of_the_log():
+    about = {"userdata": {"text": "two\nlines", "bytes": b"1" * 99, "long": "a b " * 9999}}
+    record = logging.LogRecord("flexbe.userdata", logging.DEBUG, "", 0, about, None, None)
+    line = YamlFormatter().format(record)
+    assert len(line.splitlines()) == 1
+    (found,) = yaml.safe_load(line)
+    assert found["userdata"] == about["userdata"]
+
+
+@pytest.mark.parametrize(
+    "parameters",
+    [{"~log_config": "text"}, {"~log_folder": "~nobody_here/logs"}, {"~log_serialize": ["yaml"]}],
+)
+def test_a_behavior_runs_without_a_log_where_its_parameters_are_wrong(
+    monkeypatch, tmp_path, parameters
+):
+    given, reports = {"~log_enabled": True, "~log_folder": str(tmp_path), **parameters}, []
+    monkeypatch.setattr(rospy.core, "is_initialized", lambda: True)
+    monkeypatch.setattr(rospy, "get_param", given.get)
+    monkeypatch.setattr(rospy, "logerr", lambda text, *words: reports.append(text % words))
+    StateLogger.initialize("Quick", 0)
+    assert not StateLogger.enabled
+    assert "no run log of Quick is written" in reports[0]
+
+
 def test_files_are_named_after_the_behavior():
     assert _file_name("Place, Pin v1.2/b").startswith("place__pin_v1_2_b_")
 
