@@ -1,6 +1,7 @@
 """What states find in the userdata and leave behind, as receivers know it."""
 
 import json
+from types import SimpleNamespace
 
 import pytest
 from geometry_msgs.msg import Point
@@ -8,7 +9,7 @@ from sensor_msgs.msg import Image
 
 from flexbe_core.core import EventState
 from flexbe_core.engine.visit import Known, Printer, VisitText, visit_of
-from flexbe_core.ros.reporter import LONGEST, printed
+from flexbe_core.ros.reporter import LONGEST, VisitPublisher, printed
 
 
 class Count(EventState):
@@ -102,3 +103,31 @@ def test_what_is_large_is_not_printed():
     assert printed(Image(data=bytes(900_000))).endswith(" bytes>")
     for value in ("x" * 30_000, b"x" * 30_000, list(range(30_000))):
         assert LONGEST < len(printed(value)) < LONGEST + 10
+
+
+def test_a_value_that_cannot_be_printed_is_described():
+    assert printed(Point(x="one")).startswith("<Point that cannot be printed: ")
+
+
+def test_a_value_that_changes_while_it_is_printed_does_not_end_the_messages(bench):
+    class Changing(dict):
+        times = 0
+
+        def values(self):
+            self.times += 1
+            if self.times == 1:
+                raise RuntimeError("dictionary changed size during iteration")
+            return super().values()
+
+    root = bench.machine()
+    root.userdata.trace, root.userdata.count = Changing(), 5
+    bench.sequence(root, EventState(outcomes=["done"]))
+    engine, sent, publisher = bench.engine(root), [], VisitPublisher()
+    engine.observe = lambda leaf, has_left: sent.append(visit_of(leaf, 0.0, has_left))
+    engine.run(0.0)
+    texts = []
+    topic = SimpleNamespace(publish=lambda text: texts.append(VisitText.from_json(text.data)))
+    for _ in range(2):
+        publisher._publish_visit(topic, sent[0])
+    (text,) = texts
+    assert text.changed.keys() == {("", "trace"), ("", "count")}

@@ -238,21 +238,32 @@ class VisitPublisher(rospy.SubscribeListener):
             time.sleep(_BEHIND_S)
             self._has_visits.clear()
             while self._visits:
-                text = self._printer.text_of(self._visits.popleft()).as_json()
-                if not rospy.is_shutdown():
-                    publisher.publish(String(text))
+                self._publish_visit(publisher, self._visits.popleft())
+
+    def _publish_visit(self, publisher: rospy.Publisher, visit: Visit) -> None:
+        try:
+            text = self._printer.text_of(visit).as_json()
+        except Exception as error:  # noqa: BLE001 - a state may change the value meanwhile
+            self._printer.is_complete = True
+            rospy.logdebug("a visit of %s is not published: %s", visit.path, error)
+            return
+        if not rospy.is_shutdown():
+            publisher.publish(String(text))
 
 
 def printed(value: Value) -> str:
     """Return the text of a value."""
-    if isinstance(value, Message):
-        buffer = BytesIO()
-        value.serialize(buffer)
-        if buffer.tell() > LONGEST:
-            return f"<{buffer.tell()} bytes>"
-    if isinstance(value, str | bytes) and len(value) > LONGEST:
-        return f"{value[:LONGEST]!s}…"
-    text = str(value)
+    try:
+        if isinstance(value, Message):
+            buffer = BytesIO()
+            value.serialize(buffer)
+            if buffer.tell() > LONGEST:
+                return f"<{buffer.tell()} bytes>"
+        if isinstance(value, str | bytes) and len(value) > LONGEST:
+            return f"{value[:LONGEST]!s}…"
+        text = str(value)
+    except Exception as error:  # noqa: BLE001 - whatever users put into userdata
+        text = f"<{type(value).__name__} that cannot be printed: {error!r}>"
     return text if len(text) <= LONGEST else f"{text[:LONGEST]}…"
 
 
