@@ -1,8 +1,13 @@
 """A goal as its client knows it."""
 
-from actionlib_msgs.msg import GoalStatus
+import sys
+import threading
+import weakref
 
-from flexbe_core.proxy.proxy_action_client import UNNOTICED_S, Goal
+from actionlib_msgs.msg import GoalStatus, GoalStatusArray
+
+from flexbe_core.proxy.proxy_action_client import UNNOTICED_S, ActionConnection, Goal
+from flexbe_core.ros.driver import Waiting
 
 
 def status(code, text=""):
@@ -60,3 +65,25 @@ def test_states_between_look_as_to_a_simple_client():
     goal = Goal("2")
     goal.take_status(status(GoalStatus.RECALLING))
     assert goal.simple_status == GoalStatus.PENDING
+
+
+def test_goals_may_be_sent_while_a_status_is_taken():
+    connection = ActionConnection.__new__(ActionConnection)
+    goals = [Goal("first"), Goal("second")]
+    connection._goals = weakref.WeakValueDictionary({goal.goal_id: goal for goal in goals})
+    connection._changed, connection.for_status = threading.Event(), Waiting()
+
+    def send_another(frame, event, arg):
+        """Act as another thread that runs between two lines of the list of goals."""
+        if event == "line" and frame.f_code.co_filename == weakref.__file__ and len(goals) < 9:
+            goals.append(Goal(f"{len(goals)}"))
+            connection._goals[goals[-1].goal_id] = goals[-1]
+        return send_another
+
+    before = sys.gettrace()
+    sys.settrace(send_another)
+    try:
+        connection._on_status(GoalStatusArray())
+    finally:
+        sys.settrace(before)
+    assert len(goals) > 2

@@ -223,9 +223,13 @@ class ActionConnection:
 
     def cancel_all(self) -> None:
         """Ask the server to stop working on all goals of this process."""
-        for goal in list(self._goals.values()):
+        for goal in self._known_goals():
             if goal.is_active:
                 self.cancel(goal)
+
+    def _known_goals(self) -> list[Goal]:
+        """Return the goals that somebody still has; another thread may send one meanwhile."""
+        return [goal for known in self._goals.valuerefs() if (goal := known()) is not None]
 
     def _is_connected(self) -> bool:
         servers = [senders(subscriber) for subscriber in self._subscribers]
@@ -238,8 +242,7 @@ class ActionConnection:
         self._heard_wall, self._heard_ros = time.monotonic(), clock.now()
         self._changed.set()
         listed = {status.goal_id.id: status for status in message.status_list}
-        goals = list(self._goals.values())
-        now = self._heard_wall
+        goals, now = self._known_goals(), self._heard_wall
         if any([goal.take_status(listed.get(goal.goal_id), now) for goal in goals]):
             self.for_status.wake_all()
 
