@@ -130,6 +130,8 @@ def test_a_paused_run_goes_on_paused_if_it_is_supervised(bench, is_supervised):
     log.clear()
     assert bench.run(successor, ticks=3) is None
     assert (("Work", "execute") in log) != is_supervised
+    assert ("Work", "pause") not in log, "it was called before the migration"
+    assert (("Work", "resume") in log) != is_supervised
 
 
 def test_a_version_without_the_state_is_not_switched_to(bench):

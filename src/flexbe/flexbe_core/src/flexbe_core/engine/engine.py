@@ -64,6 +64,7 @@ class MigratingState:
         path: its path.
         state: the state itself, with its attributes.
         entered: whether its visit has begun.
+        skipped: whether on_pause has been called and on_resume has not.
         userdata: runtime userdata of the containers around it, by their paths.
         paused: whether the run is paused; the new run is then paused too, if it is supervised.
         is_new: no other version has run: the run begins at this state, not locked.
@@ -73,6 +74,7 @@ class MigratingState:
     state: Definition
     entered: bool
     userdata: Mapping[str, Mapping[str, Value]]
+    skipped: bool = False
     paused: bool = False
     is_new: bool = False
 
@@ -92,6 +94,7 @@ def migrating_state(engine: Engine) -> MigratingState | None:
         state=leaf.definition,
         entered=leaf.entered,
         userdata=userdata,
+        skipped=leaf.skipped,
         paused=engine.supervision.paused,
     )
 
@@ -116,7 +119,7 @@ def attach_state(engine: Engine, migrating: MigratingState) -> None:
         node = node.resume(label)
     if not isinstance(node, Leaf):
         raise TypeError(f"{node.path!r} is not a state")
-    node.resume_visit(migrating.entered)
+    node.resume_visit(migrating.entered, migrating.skipped)
     supervision, paused = engine.supervision, migrating.paused and node.definition._is_controlled
     locks = supervision.locks if migrating.is_new else supervision.locks | {node.path}
     engine.supervision = replace(supervision, locks=locks, paused=paused)

@@ -351,9 +351,9 @@ class Leaf(Node):
         """Use this userdata from now on; for a state without a parent."""
         self.view = _NOTHING if userdata is None else userdata
 
-    def resume_visit(self, entered: bool) -> None:
+    def resume_visit(self, entered: bool, skipped: bool) -> None:
         """Continue a visit that began in another version of the behavior, or was about to."""
-        self.entered = entered
+        self.entered, self.skipped = entered, skipped
         if self.parent is not None:
             self.view._reference = self.parent.userdata
         if entered and self.shown:
