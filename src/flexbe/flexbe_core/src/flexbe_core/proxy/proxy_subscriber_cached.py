@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import traceback
 import weakref
 from collections import deque
 from collections.abc import Callable, Mapping
@@ -30,7 +31,7 @@ class _Channel:
     def add_callback(self, callback: Callback) -> None:
         """Call `callback` for each message; a method of a state only as long as the state lives."""
         if isinstance(getattr(callback, "__self__", None), State):
-            self._callbacks.append(weakref.WeakMethod(callback))
+            self._callbacks.append(weakref.WeakMethod(callback, self._callbacks.remove))
         else:
             self._callbacks.append(lambda: callback)
 
@@ -41,10 +42,11 @@ class _Channel:
         self.last = message
         for reference in tuple(self._callbacks):
             callback = reference()
-            if callback is None:
-                self._callbacks.remove(reference)
-            else:
-                callback(message)
+            try:
+                if callback is not None:
+                    callback(message)
+            except Exception:  # noqa: BLE001 - the message is for other states too
+                rospy.logerr("callback %r failed:\n%s", callback, traceback.format_exc())
         self.waiting.wake_all()
 
 
