@@ -133,3 +133,18 @@ def test_a_behavior_without_create_says_so():
 
 def test_a_behavior_runs(outer):
     assert Engine(outer.create()).run(0.0) == "done"
+
+
+def test_all_states_are_stopped_if_one_ends_the_program_at_its_start(monkeypatch):
+    class Exiting(ScriptedState):
+        def on_start(self):
+            raise SystemExit(3)
+
+    monkeypatch.setattr("flexbe_core.ros.session.connect", lambda: None)
+    log, machine = [], OperatableStateMachine(outcomes=["finished"])
+    with machine:
+        OperatableStateMachine.add("A", ScriptedState(log=log), {"done": "B"})
+        OperatableStateMachine.add("B", Exiting(log=log), {"done": "finished"})
+    with pytest.raises(SystemExit):
+        machine.confirm("Exiting", 1)
+    assert log == [("A", "start"), ("A", "stop"), ("B", "stop")]

@@ -1,6 +1,11 @@
 """When a node reports that simulated time has stopped."""
 
+import rospy
+
+from flexbe_core import OperatableStateMachine
+from flexbe_core.engine.definitions import DEFAULT_PERIOD_S
 from flexbe_core.ros.clock import Standstill
+from flexbe_core.ros.session import Session
 
 
 def reports(readings):
@@ -29,3 +34,11 @@ def test_each_standstill_of_a_clock_is_reported_once():
 def test_a_clock_that_runs_slowly_or_jumps_back_is_no_standstill():
     assert not reports([(0.01 * s, float(s)) for s in range(1, 60)])
     assert not reports([(float(s % 4), float(s)) for s in range(60)])
+
+
+def test_what_is_never_due_sleeps_for_a_period(monkeypatch):
+    slept, session = [], Session(OperatableStateMachine(outcomes=["finished"]))
+    monkeypatch.setattr(rospy, "sleep", slept.append)
+    monkeypatch.setattr(session.engine, "next_due", lambda: float("inf"))
+    session.sleep()
+    assert slept == [DEFAULT_PERIOD_S]

@@ -108,7 +108,7 @@ class OperatableStateMachine(PreemptableStateMachine):
             for state in self._all_states():
                 if migrating is None or migrating.is_new or state is not migrating.state:
                     state.on_start()
-        except Exception:
+        except (Exception, SystemExit):
             self.destroy()
             raise
         if migrating is not None:
@@ -118,14 +118,14 @@ class OperatableStateMachine(PreemptableStateMachine):
         """End as the root of a behavior: stop all states, and accept no more commands.
 
         Raises:
-            Exception: the first that an on_stop raised, after all have been called.
+            Exception, SystemExit: the first that an on_stop raised, after all have been called.
         """
         own_session(self).ignore()
-        errors = []
+        errors: list[Exception | SystemExit] = []
         for state in self._all_states():
             try:
                 state.on_stop()
-            except Exception as error:  # noqa: BLE001 - the other states must be stopped too
+            except (Exception, SystemExit) as error:  # noqa: BLE001 - the others must stop too
                 errors.append(error)
         self._disable_ros_control()
         StateLogger.shutdown()

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import rospy
 
 from flexbe_core.engine.containers import Container
-from flexbe_core.engine.definitions import Definition, Kind
+from flexbe_core.engine.definitions import DEFAULT_PERIOD_S, Definition, Kind
 from flexbe_core.engine.engine import Engine, ErrorPolicy
 from flexbe_core.engine.leaf import Leaf, Node
 from flexbe_core.engine.supervision import (
@@ -159,8 +159,8 @@ class Session:
         """Sleep until something is due."""
         if isinstance(self.engine.root, Leaf):
             self._steady_beat().sleep()
-        elif self.remaining_s() > 0:
-            rospy.sleep(self.remaining_s())
+        elif (remaining_s := self.remaining_s()) > 0:
+            rospy.sleep(remaining_s if remaining_s < float("inf") else DEFAULT_PERIOD_S)
 
     def active_leaf(self) -> State | None:
         """Return the active state that mirrors show."""
