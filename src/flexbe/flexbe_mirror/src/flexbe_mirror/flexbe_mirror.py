@@ -92,7 +92,7 @@ class Tree:
         """Return the state that is active after a state took an outcome; None after the last.
 
         Raises:
-            IndexError: if the state has no such outcome.
+            LookupError: if there is no such state, or it has no such outcome.
         """
         if not 0 <= outcome_index < len(self.parts[path].transitions):
             raise IndexError(f"{path} has no outcome {outcome_index}")
@@ -197,7 +197,7 @@ class Mirror:
             return []
         try:
             following = self._tree.follow(self.path, index)
-        except IndexError:
+        except LookupError:
             return [AskWhere()]
         return [] if following is None else self._show(following)
 

@@ -109,6 +109,12 @@ def test_an_impossible_outcome_makes_it_ask_where_the_behavior_is():
     assert mirror.path == "/A"
 
 
+def test_a_state_that_the_structure_lacks_makes_it_ask_too():
+    mirror = following()
+    mirror.on_active_state("/Other")
+    assert mirror.on_outcome(0) == [AskWhere()]
+
+
 def test_syncs_of_another_behavior_or_an_unknown_state_change_nothing():
     mirror = following()
     assert mirror.on_sync(99, checksum("/B")) == []
