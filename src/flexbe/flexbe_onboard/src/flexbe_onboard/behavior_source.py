@@ -240,7 +240,8 @@ class ModuleFreshness:
     def remember(self) -> None:
         """Remember the stamps of the modules that were imported since the last call."""
         for name in set(sys.modules) - self._own - self._stamps.keys():
-            file = getattr(sys.modules.get(name), "__file__", None)
+            # Without getattr, which imports what a lazy module stands for.
+            file = getattr(sys.modules.get(name), "__dict__", {}).get("__file__")
             if file and self._is_of_behaviors(name.split(".")[0], Path(file)):
                 self._stamps[name] = (file, _stamp(file))
 

@@ -191,7 +191,7 @@ class EngineNode:
         """Prepare and run the behavior of a request, and its successors, in the run's thread."""
         try:
             behavior = self._prepare(request)
-        except StartError as error:
+        except Exception as error:  # noqa: BLE001 - a StartError, or else the engine stays usable
             Logger.logerr("behavior is not started: %s", error)
             Logger.local(traceback.format_exc(), Logger.REPORT_DEBUG)
             self._become_idle(BEStatus.ERROR, request.behavior_checksum)
@@ -249,7 +249,7 @@ class EngineNode:
             return
         try:
             behavior = self._prepare(request)
-        except StartError as error:
+        except Exception as error:  # noqa: BLE001 - as in _work
             self._call_off(request, SwitchPhase.FAILED, str(error))
             return
         self._feedback.publish("switch", [SwitchPhase.START.value])

@@ -1,6 +1,7 @@
 """From a name to a class: which sources are run, and which are not."""
 
 import sys
+import types
 
 import pytest
 
@@ -121,3 +122,14 @@ def test_modules_stay_while_nothing_changed(package):
     assert sys.modules["cell.part"] is part
     freshness.forget_all()
     assert "cell.part" not in sys.modules
+
+
+def test_a_lazy_module_is_left_alone(monkeypatch):
+    class Lazy(types.ModuleType):
+        def __getattr__(self, name):
+            raise ImportError("what it stands for is not installed")
+
+    freshness = ModuleFreshness()
+    monkeypatch.setitem(sys.modules, "lazy_module", Lazy("lazy_module"))
+    freshness.remember()
+    assert "lazy_module" not in freshness._stamps
