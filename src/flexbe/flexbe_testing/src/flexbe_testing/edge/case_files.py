@@ -115,11 +115,7 @@ def load_case(text: str) -> object:
         mark = error.problem_mark
         where = f"line {mark.line + 1}: " if mark else ""
         raise CaseError(f"{where}{error.problem}") from error
-    except (
-        yaml.YAMLError,
-        ValueError,
-        RecursionError,
-    ) as error:  # the second of an impossible date
+    except (yaml.YAMLError, ValueError, RecursionError) as error:  # ValueError: of a wrong date
         raise CaseError(f"cannot read it: {error}") from error
 
 

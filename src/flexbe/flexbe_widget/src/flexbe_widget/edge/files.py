@@ -78,11 +78,7 @@ def _read(name: str) -> str:
 def _entry(name: str, text: str, key: str) -> object:
     try:
         found = yaml.safe_load(text)
-    except (
-        yaml.YAMLError,
-        ValueError,
-        RecursionError,
-    ) as error:  # the second of an impossible date
+    except (yaml.YAMLError, ValueError, RecursionError) as error:  # ValueError: of a wrong date
         raise RequestError(f"file {name} is not YAML: {error}") from error
     for part in key.split("/") if key else ():
         if not isinstance(found, dict) or part not in found:

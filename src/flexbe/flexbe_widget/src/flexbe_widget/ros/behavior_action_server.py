@@ -50,7 +50,6 @@ from flexbe_widget.core.run_watch import (
     RunWatch,
     is_busy,
 )
-from flexbe_widget.edge.files import RequestError
 from flexbe_widget.ros.engine_link import EngineLink, Entered, Status
 from flexbe_widget.ros.request_server import start_request
 
@@ -176,7 +175,7 @@ class BehaviorActionServer:
                 [*zip(goal.arg_keys, goal.arg_values, strict=False)],
                 [*zip(goal.input_keys, goal.input_values, strict=False)],
             )
-        except RequestError as error:
+        except Exception as error:  # noqa: BLE001 - a RequestError, or else the goal must end too
             rospy.logerr("goal rejected: %s", error)
             handle.set_rejected(BehaviorExecutionResult(), str(error))
             return
@@ -194,10 +193,7 @@ class BehaviorActionServer:
             self._next = None
             handle.set_canceled(BehaviorExecutionResult(), "cancelled before it was started")
         elif run is not None and handle == run.handle:
-            if run.watch is None:
-                self._end(run, Ending(RunEnd.PREEMPTED, PREEMPTED))
-            else:
-                self._stop(run)
+            self._stop(run)
 
     def _begin_next(self) -> None:
         self._run, self._next = self._next, None
@@ -238,10 +234,12 @@ class BehaviorActionServer:
             self._link.preempt()
 
     def _stop(self, run: _Run) -> None:
-        """Stop the behavior, now or as soon as it runs."""
-        if not run.is_stopping:
+        """Stop the behavior, now or as soon as it runs; without a request yet, it never runs."""
+        if run.watch is None:
+            self._end(run, Ending(RunEnd.PREEMPTED, PREEMPTED))
+        elif not run.is_stopping:
             run.is_stopping = True
-            if run.watch is not None and run.watch.is_running:
+            if run.watch.is_running:
                 self._link.preempt()
 
     def _end(self, run: _Run, ending: Ending | None) -> None:

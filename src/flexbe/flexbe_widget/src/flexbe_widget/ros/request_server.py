@@ -136,7 +136,7 @@ class RequestServer:
                 autonomy_level=message.autonomy_level,
             )
             self._wait_for_engine()
-        except RequestError as error:
+        except Exception as error:  # noqa: BLE001 - a RequestError, or else who asked must know too
             Logger.logerr("%s", error)
             self._status.publish(BEStatus(code=BEStatus.ERROR))
             return
