@@ -136,6 +136,19 @@ def test_a_missing_file_and_wrong_usage_are_code_two(run, charts):
         assert caught.value.code == 2
 
 
+def test_a_package_that_cannot_be_written_is_code_two(run, charts, tmp_path):
+    loop = tmp_path / "loop"
+    loop.symlink_to(loop)
+    for folder in (loop, "a" * 300):
+        code, out, err = run(charts / "plain.xml", "--output", folder)
+        assert (code, out) == (2, "")
+        assert err.startswith("synthesize: ")
+    odd = shutil.copy(charts / "plain.xml", charts / os.fsdecode(b"odd\xff.xml"))
+    code, _, err = run(odd)
+    assert code == 2
+    assert "nothing was written: " in err
+
+
 def test_a_chart_is_drawn_beside_writing_or_checking_it(run, charts, tmp_path):
     drawing = tmp_path / "drawn" / "a.svg"
     before = tree(charts.parent)

@@ -60,6 +60,9 @@ LITERALS = st.recursive(
         ("9" * 5000, "9" * 5000),
         ("[" * 100_000, "[" * 100_000),
         ("[" * 51 + "]" * 51, "[" * 51 + "]" * 51),
+        ("[0x" + "f" * 5000 + "]", "[0x" + "f" * 5000 + "]"),
+        ("{0x" + "f" * 5000 + ": 1}", "{0x" + "f" * 5000 + ": 1}"),
+        ('"\\ud800"', '"\\ud800"'),
     ],
 )
 def test_a_text_is_the_literal_it_spells_or_a_string(text, value):
@@ -89,7 +92,7 @@ def test_a_quoted_text_has_nothing_that_misleads_the_app(text):
 
 
 def test_what_is_no_literal_is_refused():
-    for value in (object(), {1, 2}, float("nan"), {None: 1}, [b"x"]):
+    for value in (object(), {1, 2}, float("nan"), {None: 1}, [b"x"], 1 << 20_000, {"\ud800": 1}):
         with pytest.raises(TypeError, match="no literal of a chart"):
             freeze(value)
 

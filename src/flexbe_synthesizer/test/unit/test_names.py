@@ -67,7 +67,8 @@ def test_a_message_names_what_comes_near_and_shortens_long_lists():
 
 def test_keys_are_identifiers_that_userdata_can_hold():
     assert names.is_key("pose_2")
-    for key in ("2pose", "a b", "class", "_private", ""):
+    assert names.is_key("größe")
+    for key in ("2pose", "a b", "class", "_private", "", "\ufb01x", "o\u0308"):
         assert not names.is_key(key)
 
 

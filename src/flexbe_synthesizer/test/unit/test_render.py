@@ -137,3 +137,12 @@ def test_what_is_declared_a_string_takes_its_text_as_it_stands(check, spelled, c
     assert problems == ()
     text = rendered(compile_chart(checked, "cell"))
     assert f"view={code}" in text
+
+
+def test_a_container_may_have_any_name_that_a_chart_can_give_it(check, golden):
+    text = (golden / "charts" / "two_arms.xml").read_text().replace('"Place"', '"Bü²½"')
+    checked, problems = check(text)
+    assert problems == ()
+    code = rendered(compile_chart(checked, "cell"))
+    ast.parse(code)
+    assert "_sm_b____" in code

@@ -75,7 +75,7 @@ def write_all(files: Mapping[Path, str | bytes]) -> tuple[Path, ...]:
                 path.parent.mkdir(parents=True, exist_ok=True)
                 staged[path] = _stage(path, content)
         _rename_all(staged, before)
-    except OSError as error:
+    except (OSError, ValueError) as error:  # a text, or a name, with half a character
         raise OutputError(f"nothing was written: {error}") from error
     finally:
         for temporary in staged.values():
@@ -135,13 +135,12 @@ class Stamp(NamedTuple):
         return time.time_ns() - self.changed_ns < _FRESH_NS
 
 
-def stamp_of(path: str | Path) -> Stamp:
-    """Return the stamp of a file or folder.
-
-    Raises:
-        OSError: if it is not there.
-    """
-    status = os.stat(path)
+def _stamp_of(path: str | Path) -> Stamp | None:
+    """Return the stamp of a file or folder; None if it is absent."""
+    try:
+        status = os.stat(path)
+    except OSError:
+        return None
     return Stamp(status.st_mtime_ns, status.st_size, status.st_ino)
 
 
@@ -154,25 +153,14 @@ class Stamps:
 
     def take(self, path: str | Path) -> Stamp | None:
         """Return the stamp of a file or folder that is about to be read; None if it is absent."""
-        try:
-            stamp = stamp_of(path)
-        except OSError:
-            stamp = None
+        stamp = _stamp_of(path)
         self._is_any_fresh |= stamp is not None and stamp.is_fresh
         return self._taken.setdefault(str(path), stamp)
 
     def still_hold(self) -> bool:
         """Return whether all that was read is certainly unchanged."""
-        return not self._is_any_fresh and all(map(_is_same, self._taken.items()))
-
-
-def _is_same(taken: tuple[str, Stamp | None]) -> bool:
-    path, before = taken
-    try:
-        status = os.stat(path)
-    except OSError:
-        return before is None
-    return before == (status.st_mtime_ns, status.st_size, status.st_ino)
+        is_any_fresh, taken = self._is_any_fresh, self._taken.items()
+        return not is_any_fresh and all(_stamp_of(path) == stamp for path, stamp in taken)
 
 
 FORMATS = (".svg", ".png")

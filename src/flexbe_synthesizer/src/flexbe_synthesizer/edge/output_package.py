@@ -68,14 +68,14 @@ def output_package(folder: Path) -> OutputPackage:
     """
     missing: dict[Path, str] = {}
     is_exported = True
-    if (folder / "package.xml").exists():
+    if os.path.exists(folder / "package.xml"):  # no error for names that are too long
         try:
             package = read_package(folder)
         except (ValueError, OSError) as error:
             raise OutputError(str(error)) from error
         name, is_exported = package.name, package.has_behaviors
     else:
-        name = folder.resolve().name
+        name = os.path.basename(os.path.realpath(folder))
         missing[folder / "package.xml"] = _PACKAGE_XML.format(name=name, author=AUTHOR)
     if not _PACKAGE_NAME.match(name):
         raise OutputError(
@@ -83,7 +83,7 @@ def output_package(folder: Path) -> OutputPackage:
             "name is of small letters, digits and '_', starting with a letter"
         )
     init = folder / "src" / name / "__init__.py"
-    if not init.exists():
+    if not os.path.exists(init):
         missing[init] = f'"""Behaviors of the package {name}."""\n'
     return OutputPackage(name, folder, missing, is_exported)
 
@@ -126,7 +126,7 @@ def enclosing_package(path: Path) -> OutputPackage:
 
 def chart_place(chart: str, package: OutputPackage) -> str:
     """Return the path of a chart's file as seen from the folder of a package."""
-    return os.path.relpath(Path(chart).resolve(), package.folder.resolve())
+    return os.path.relpath(os.path.realpath(chart), os.path.realpath(package.folder))
 
 
 def expect_own(name: str, chart: str, package: OutputPackage) -> None:

@@ -19,7 +19,7 @@ import reprlib
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from enum import Enum
-from typing import Protocol, TypeAlias, TypeVar
+from typing import Protocol, TypeAlias, TypeGuard, TypeVar
 from xml.etree.ElementTree import Element as XmlElement
 
 from flexbe_synthesizer.core.chart.problem import Position
@@ -58,6 +58,8 @@ Literal: TypeAlias = (
 )
 
 DEEPEST = 50  # levels of a list or dictionary; Python itself refuses to parse 200
+_MOST_BITS = 10_000  # of an integer in one; Python writes none of more than 4300 digits
+_HALF = re.compile("[\ud800-\udfff]")  # half a character, which no file or message can hold
 _WORDS = {"true": True, "True": True, "false": False, "False": False, "null": None, "None": None}
 _INTEGER = re.compile(r"[+-]?(0|[1-9][0-9]{0,17})\Z")  # within 64 bits
 _NUMBER = re.compile(r"[+-]?([0-9]+\.[0-9]*|\.[0-9]+|[0-9]+(?=[eE]))([eE][+-]?[0-9]+)?\Z")
@@ -126,19 +128,31 @@ def freeze(value: object, depth: int = 0) -> Literal:
     Raises:
         TypeError: if it holds anything but the literals of the language, or is nested too deeply.
     """
-    if value is None or isinstance(value, bool | int | str):
-        return value
-    if isinstance(value, float) and math.isfinite(value):
+    if _is_plain(value):
         return value
     if depth < DEEPEST and isinstance(value, list | tuple):
         return tuple(freeze(item, depth + 1) for item in value)
-    if depth < DEEPEST and isinstance(value, dict) and {*map(type, value)} <= {str, int}:
+    if depth < DEEPEST and isinstance(value, dict) and all(map(_is_key, value)):
         return {key: freeze(item, depth + 1) for key, item in value.items()}
     raise TypeError(
         f"{reprlib.repr(value)} is no literal of a chart: null, a boolean, a finite number, a "
         "string, a list, or a dictionary with strings or integers as keys, of at most "
         f"{DEEPEST} levels"
     )
+
+
+def _is_plain(value: object) -> TypeGuard[bool | int | float | str | None]:
+    """Return whether a value is a literal without others in it, and can be written."""
+    if isinstance(value, str):
+        return value.isascii() or not _HALF.search(value)
+    if isinstance(value, int):
+        return value.bit_length() <= _MOST_BITS
+    return value is None or (isinstance(value, float) and math.isfinite(value))
+
+
+def _is_key(value: object) -> bool:
+    """Return whether a value can be a key of a dictionary: a string or an integer."""
+    return type(value) in (str, int) and _is_plain(value)
 
 
 def format_literal(value: Literal, wanted: str | None = None) -> str:

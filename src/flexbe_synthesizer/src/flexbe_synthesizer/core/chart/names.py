@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 import keyword
 import re
+import unicodedata
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from functools import cached_property, lru_cache
 
@@ -61,8 +62,13 @@ def is_readable_outcome(text: str) -> bool:
 
 
 def is_key(text: str) -> bool:
-    """Return whether the text can name userdata: a Python identifier that is not private."""
-    return text.isidentifier() and not keyword.iskeyword(text) and not text.startswith("_")
+    """Return whether the text can name userdata: a Python identifier that is not private.
+
+    Python takes an identifier in a form of compatibility for another one: `\ufb01x` for `fix`.
+    """
+    is_identifier = text.isidentifier() and not keyword.iskeyword(text)
+    is_itself = text.isascii() or unicodedata.normalize("NFKC", text) == text
+    return is_identifier and is_itself and not text.startswith("_")
 
 
 def behavior_class(name: str) -> str:

@@ -10,6 +10,7 @@ import math
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import TypeAlias
 
 from flexbe_synthesizer.core.chart.error_routes import codes_of_routes, format_codes, is_named
@@ -204,9 +205,9 @@ _Visits: TypeAlias = tuple[ResolvedNode, Bound, Seconds]  # a node, how often it
 class _Times:
     """How long things take at most [s]."""
 
-    def __init__(self, nested: NestedBehaviors, depth: int = 0) -> None:
+    def __init__(self, nested: NestedBehaviors) -> None:
         self._nested = nested
-        self._depth = depth
+        self._depth = 0  # of behaviors inside each other, which may contain themselves
         self._known: dict[str, Seconds] = {}
         self._longest: dict[ResolvedChart, Seconds] = {}
         self._visits: dict[tuple[ResolvedChart, Bound], Sequence[_Visits]] = {}
@@ -253,16 +254,17 @@ class _Times:
         if limit is None:
             return None
         if entry.node.timeout_s is not None and not entry.use.is_timed:
-            return entry.node.timeout_s + limit.grace_s
+            return _finite(entry.node.timeout_s + limit.grace_s)
         value = next((p.value for p in entry.node.params if p.name == limit.name), limit.default)
         is_number = isinstance(value, int | float) and not isinstance(value, bool)
-        return value + limit.grace_s if is_number and isinstance(value, int | float) else None
+        return _finite(value + limit.grace_s) if is_number else None
 
     def _behavior(self, behavior: BehaviorClass) -> Seconds:
         if behavior.module not in self._known:
             resolved = self._nested.resolved(behavior) if self._depth < _MOST_NESTED else None
-            inner = _Times(self._nested, self._depth + 1)
-            self._known[behavior.module] = None if resolved is None else inner.longest(resolved)
+            self._depth += 1
+            self._known[behavior.module] = None if resolved is None else self.longest(resolved)
+            self._depth -= 1
         return self._known[behavior.module]
 
 
@@ -396,19 +398,19 @@ def write_certificate(
         code_sha256: of the behavior's file.
         manual_code: names of the manual sections in it that are not empty.
     """
-    text = _Texts()
+    text = cache(_yaml)  # many rows have the same
     errors = [
-        f"{{path: {text[e.path]}, event: {text[e.event]}, codes: {text[e.codes]}, "
-        f"next: {text[e.next]}, ends: {text[e.ends]}}}"
+        f"{{path: {text(e.path)}, event: {text(e.event)}, codes: {text(e.codes)}, "
+        f"next: {text(e.next)}, ends: {text(e.ends)}}}"
         for e in certificate.errors
     ]
     states = [
-        f"{{path: {text[s.path]}, visits: {_number(s.visits)}, visit_s: {_number(s.visit_s)}, "
+        f"{{path: {text(s.path)}, visits: {_number(s.visits)}, visit_s: {_number(s.visit_s)}, "
         f"longest_s: {_number(s.longest_s)}}}"
         for s in certificate.states
     ]
     outcomes = [
-        f"{{outcome: {text[e.outcome]}, always: {_names(e.certain)}, "
+        f"{{outcome: {text(e.outcome)}, always: {_names(e.certain)}, "
         f"sometimes: {_names(e.possible - e.certain)}}}"
         for e in certificate.effects
     ]
@@ -429,14 +431,6 @@ def write_certificate(
 
 # YAML holds JSON.
 _yaml = json.JSONEncoder(ensure_ascii=False).encode
-
-
-class _Texts(dict[str | tuple[str, ...], str]):
-    """Texts, and lists of texts, as YAML; each is written once, since many rows have the same."""
-
-    def __missing__(self, value: str | tuple[str, ...]) -> str:
-        self[value] = written = _yaml(value)
-        return written
 
 
 def _number(bound: float | None) -> str:

@@ -174,8 +174,7 @@ def _variables(inner: Sequence[str]) -> Mapping[str, str]:
     """Return the variable of each container by its path, given the sorted paths of inner ones."""
     numbered = {}
     for number, path in enumerate(reversed(inner)):
-        label = re.sub(r"\W", "_", path.rpartition("/")[2].lower())
-        numbered[path] = f"_sm_{label}_{number}"
+        numbered[path] = f"_sm_{names.behavior_file(path.rpartition('/')[2])}_{number}"
     return {"": _ROOT, **numbered}
 
 
@@ -203,14 +202,6 @@ def _docstring(text: str) -> str:
     return "\n".join(_INDENT + line if line else "" for line in lines).strip()
 
 
-class _Quoted(dict[str, str]):
-    """Texts as Python strings; each is quoted once, since the same names stand all over a file."""
-
-    def __missing__(self, text: str) -> str:
-        self[text] = quoted = quote(text)
-        return quoted
-
-
 class _Writer:
     """Writes containers, and what is in them.
 
@@ -222,7 +213,7 @@ class _Writer:
     def __init__(self, layout: Layout, variables: Mapping[str, str]) -> None:
         self._layout = layout
         self._variables = variables
-        self._quoted = _Quoted()
+        self._quoted = cache(quote)  # the same names stand all over a file
 
     def container(self, path: str, container: Container) -> Mapping[str, str]:
         """Return what the template shows of a container."""
@@ -239,16 +230,16 @@ class _Writer:
         """Return the comment with a child's place, and the call that adds it to its container."""
         quoted, content = self._quoted, child.content
         default = "Autonomy.Off" if isinstance(content, StateUse) else "Autonomy.Inherit"
-        targets = [f"{quoted[exit_[0]]}: {quoted[exit_[1]]}" for exit_ in child.exits]
+        targets = [f"{quoted(exit_[0])}: {quoted(exit_[1])}" for exit_ in child.exits]
         levels = [
-            f"{quoted[outcome]}: {default if autonomy is None else _LEVELS[autonomy]}"
+            f"{quoted(outcome)}: {default if autonomy is None else _LEVELS[autonomy]}"
             for outcome, _target, autonomy in child.exits
         ]
-        homes = [f"{quoted[key]}: {quoted[home]}" for key, home in child.remapping]
+        homes = [f"{quoted(key)}: {quoted(home)}" for key, home in child.remapping]
         remapping = f",{_CONTINUED}remapping={{{', '.join(homes)}}}" if homes else ""
         x, y = point
         return (
-            f"# x:{x} y:{y}{_LINE}OperatableStateMachine.add({quoted[child.label]},{_CONTINUED}"
+            f"# x:{x} y:{y}{_LINE}OperatableStateMachine.add({quoted(child.label)},{_CONTINUED}"
             f"{self._content(above, child)},{_CONTINUED}transitions={{{', '.join(targets)}}},"
             f"{_CONTINUED}autonomy={{{', '.join(levels)}}}{remapping})"
         )
