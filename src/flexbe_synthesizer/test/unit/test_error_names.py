@@ -74,6 +74,7 @@ def test_a_table_gives_the_names_of_its_codes_and_classes():
         ({"faults": {}}, "'faults' is {}; allowed: a list"),
         ({"no_fault": "NONE"}, "'no_fault' is 'NONE'; allowed: a list"),
         ({"faults": ["JAMMED"]}, "'JAMMED' is no fault"),
+        ({"faults": [{"codes": 301}]}, "'codes' is 301; allowed: a list"),
         ({"faults": [{"codes": ["JAMMED"]}]}, "no 'name'"),
         ({"faults": [{"codes": [{"name": "two words", "code": 1}]}]}, "no 'name'"),
         ({"faults": [{"codes": [{"name": "JAMMED", "code": "301"}]}]}, "allowed: 0 to 32767"),

@@ -1,11 +1,38 @@
+from types import SimpleNamespace
+
 import pytest
 
+from flexbe_synthesizer.core.chart.grammar import split_name
 from flexbe_synthesizer.core.chart.problem import ChartError, ProblemKind
 from flexbe_synthesizer.core.chart.xml_tree import XmlTree, as_utf8, read_utf8
 
 
+class Element:
+    """An element of a document, with the places of what is in it."""
+
+    def __init__(self, element, places):
+        self.namespace, self.name = split_name(element.tag)
+        self.position, self.text = places[element].element, places[element].text
+        self.attributes = [
+            SimpleNamespace(
+                namespace=split_name(spelled)[0],
+                name=split_name(spelled)[1],
+                value=value,
+                position=places[element].attributes[spelled],
+            )
+            for spelled, value in element.attrib.items()
+        ]
+        self._element, self._places = element, places
+
+    @property
+    def children(self):
+        return [Element(child, self._places) for child in self._element]
+
+
 def read_xml(source, file):
-    return read_utf8(as_utf8(source, file), file)
+    document = read_utf8(as_utf8(source, file), file)
+    places = dict(zip(document.root.iter(), document.places, strict=True))
+    return SimpleNamespace(root=Element(document.root, places), problems=document.problems)
 
 
 def problem_of(source):

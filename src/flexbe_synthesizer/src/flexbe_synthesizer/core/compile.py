@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeAlias
 
@@ -10,6 +10,7 @@ from flexbe_synthesizer.core.chart import names
 from flexbe_synthesizer.core.chart.model import Chart
 from flexbe_synthesizer.core.chart.problem import ChartError, Problem, ProblemKind, errors_in
 from flexbe_synthesizer.core.check.check import CheckedChart, NestedBehaviors, check_chart
+from flexbe_synthesizer.core.library.graph import Edge, shortest_path
 from flexbe_synthesizer.core.library.resolve import ResolvedNode, scopes
 from flexbe_synthesizer.core.library.signature import BehaviorClass, Library, chart_behavior
 from flexbe_synthesizer.core.library.sources import Manifest
@@ -55,12 +56,13 @@ def check_units(
     known = {behavior.name: behavior.contains for behavior in whole.behaviors} | {
         one.resolved.chart.name: _contained(one) for one in checked.values()
     }
+    leaving = {name: [Edge(name, "", one) for one in inner] for name, inner in known.items()}
     return {
         path: replace(
             one,
             problems=(
                 *one.problems,
-                *_find_cycles(one, known),
+                *_find_cycles(one, leaving),
                 *(problem for problem in doubled if problem.position.file == path),
             ),
         )
@@ -81,34 +83,22 @@ def _behaviors_in(checked: CheckedChart) -> Iterator[tuple[ResolvedNode, Behavio
                 yield entry, entry.use.declaration
 
 
-def _find_cycles(checked: CheckedChart, known: Mapping[str, Iterable[str]]) -> Iterator[Problem]:
-    """Yield a problem for each behavior in a chart that contains the chart again."""
+def _find_cycles(checked: CheckedChart, leaving: Mapping[str, Sequence[Edge]]) -> Iterator[Problem]:
+    """Yield a problem for each behavior in a chart that contains the chart again.
+
+    Args:
+        checked: the chart.
+        leaving: edges from each behavior to those that it contains, by display name.
+    """
     chart = checked.resolved.chart
     for entry, behavior in _behaviors_in(checked):
-        trail = _trail(behavior.name, chart.name, known)
-        if trail:
-            message = f"the chart would contain itself: {' > '.join((chart.name, *trail))}; "
+        is_itself = behavior.name == chart.name
+        path = () if is_itself else shortest_path(behavior.name, chart.name, leaving)
+        if path is not None:
+            trail = (chart.name, behavior.name, *(edge.target for edge in path))
+            message = f"the chart would contain itself: {' > '.join(trail)}; "
             message += "a behavior cannot be built out of itself."
             yield Problem(entry.node.position("type"), ProblemKind.CHART_CYCLE, message)
-
-
-def _trail(start: str, goal: str, known: Mapping[str, Iterable[str]]) -> tuple[str, ...]:
-    """Return behaviors that contain each other from start to goal, empty if there is no such."""
-    came: dict[str, str | None] = {start: None}
-    waiting = [start]
-    for name in waiting:
-        if name == goal:
-            trail: list[str] = []
-            step: str | None = name
-            while step is not None:
-                trail.append(step)
-                step = came[step]
-            return tuple(reversed(trail))
-        for inner in known.get(name, ()):
-            if inner not in came:
-                came[inner] = name
-                waiting.append(inner)
-    return ()
 
 
 def _find_doubles(units: Sequence[Unit]) -> Iterator[Problem]:

@@ -12,10 +12,10 @@ from types import MappingProxyType
 from typing import TypeAlias
 
 from flexbe_synthesizer.core.chart.chart_reader import read_chart, read_chart_name
-from flexbe_synthesizer.core.chart.model import Behavior, Chart, walk_nodes
+from flexbe_synthesizer.core.chart.model import Chart, walk_nodes
 from flexbe_synthesizer.core.chart.problem import Problem, ProblemKind
 from flexbe_synthesizer.core.check.check import CheckedChart, NestedBehaviors, check_chart
-from flexbe_synthesizer.core.library.resolve import included_path
+from flexbe_synthesizer.core.library.resolve import included_path, named_behaviors
 from flexbe_synthesizer.core.library.signature import BehaviorClass, Library
 from flexbe_synthesizer.edge.files import read_regular
 from flexbe_synthesizer.errors import ChartFileError, ChartRefusedError
@@ -272,18 +272,9 @@ def _charts_inside(chart: Chart, world: _World) -> tuple[Chart, ...]:
     found: list[Chart] = []
     waiting = [chart]
     while waiting:
-        for behavior in _behaviors_in(waiting.pop(), world):
+        for behavior in named_behaviors(waiting.pop(), world.library, world.charts):
             inner = behavior.chart or world.read_back.get(behavior.module)
             if inner is not None and not any(inner is one for one in found):
                 found.append(inner)
                 waiting.append(inner)
     return tuple(found)
-
-
-def _behaviors_in(chart: Chart, world: _World) -> Iterator[BehaviorClass]:
-    for node in walk_nodes(chart):
-        if isinstance(node, Behavior):
-            path = included_path(chart, node)
-            named = world.library.find_behaviors(node.type) if path is None else ()
-            candidates = (world.charts.get(path),) if path is not None else named
-            yield from (one for one in candidates if isinstance(one, BehaviorClass))

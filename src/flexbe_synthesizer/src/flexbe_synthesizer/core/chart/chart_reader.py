@@ -9,9 +9,9 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from sys import intern
-from typing import TypeAlias, TypeVar
+from typing import Generic, TypeAlias, TypeVar
 from xml.etree.ElementTree import Element
 
 from flexbe_synthesizer.core.chart import names
@@ -67,11 +67,57 @@ _NODES = {"state": "state", "behavior": "behavior"} | {
     f"{{{EXTENSION}}}{kind}": f"ext:{kind}" for kind in ("container", "concurrency", "priority")
 }
 _PARAM, _CONNECTION = NODE["param"], STATEMACHINE.children["connection"]
-_LEVELS = f"one of {names.quoted(level.value for level in Autonomy)}"
 _Limits: TypeAlias = "tuple[int | None, float | None, tuple[ErrorRoute, ...], Point | None]"
 _POINT = re.compile(r"\s*(-?[0-9]{1,5})\s+(-?[0-9]{1,5})\s*\Z")
 _UNLIMITED: _Limits = (None, None, (), None)
 _Value = TypeVar("_Value")
+
+
+@dataclass(frozen=True)
+class _Extension(Generic[_Value]):
+    """What an extension attribute holds.
+
+    Attributes:
+        name: of the attribute.
+        convert: returns the value that a text spells; raises ValueError if it spells none.
+        allowed: which texts spell one, in words.
+        instead: stands for one that is not allowed, so that the rest is checked as if mended.
+    """
+
+    name: str
+    convert: Callable[[str], _Value]
+    allowed: str
+    instead: _Value
+
+
+def _read_point(text: str) -> Point:
+    found = _POINT.match(text)
+    if found is None:
+        raise ValueError(text)
+    return int(found[1]), int(found[2])
+
+
+def _at_least_one(text: str) -> int:
+    value = parse_literal(text)
+    if type(value) is not int or value < 1:
+        raise ValueError(text)
+    return value
+
+
+def _positive(text: str) -> float:
+    value = parse_literal(text)
+    if type(value) not in (int, float) or not 0 < float(text) < math.inf:
+        raise ValueError(text)
+    return float(text)
+
+
+_LEVELS = f"one of {names.quoted(level.value for level in Autonomy)}"
+_AUTONOMY = _Extension("autonomy", Autonomy, _LEVELS, Autonomy.OFF)
+_ATTEMPTS = _Extension("attempts", _at_least_one, "an integer from 1", 1)
+_TIMEOUT = _Extension("timeout_s", _positive, "a number of seconds above 0", 1.0)
+_ROUTES = _Extension("on_error", parse_routes, ROUTES_RULE, ())
+_PLACE = "two whole numbers of at most 5 digits, right and down, such as '120 40'"
+_AT = _Extension("at", _read_point, _PLACE, (0, 0))
 
 
 def parse_chart(source: str | bytes, file: str = "<chart>") -> Chart:
@@ -215,7 +261,7 @@ class _ChartReader:
 
     def _outcome(self, element: Element) -> Outcome:
         given, extensions = self._elements.leaf(element, OUTCOME)
-        at = self._point(element, extensions) if extensions else None
+        at = self._convert(element, extensions, _AT) if extensions else None
         return Outcome(given.get("name", ""), at, source=(self._tree, element))
 
     def _input(self, element: Element, shape: Shape) -> Input:
@@ -252,21 +298,11 @@ class _ChartReader:
                 Transition(
                     intern(given.get("event", "")),
                     intern(given.get("target", "")),
-                    self._autonomy(element, extensions) if extensions else None,
+                    self._convert(element, extensions, _AUTONOMY) if extensions else None,
                     source=(tree, element),
                 )
                 for element, given, extensions in self._elements.leaves(elements, TRANSITION)
             ]
-        )
-
-    def _autonomy(self, element: Element, extensions: Mapping[str, str]) -> Autonomy | None:
-        return self._convert(
-            element,
-            extensions,
-            name="autonomy",
-            convert=Autonomy,
-            allowed=_LEVELS,
-            instead=Autonomy.OFF,
         )
 
     def _connections(self, elements: Sequence[Element]) -> tuple[Connection, ...]:
@@ -325,33 +361,11 @@ class _ChartReader:
 
     def _limits(self, element: Element, extensions: Mapping[str, str]) -> _Limits:
         """Return the attempts, the timeout, the error routes and the place of a node."""
-        attempts = self._convert(
-            element,
-            extensions,
-            name="attempts",
-            convert=_at_least_one,
-            allowed="an integer from 1",
-            instead=1,
-        )
-        seconds = "a number of seconds above 0"
-        timeout_s = self._convert(
-            element, extensions, name="timeout_s", convert=_positive, allowed=seconds, instead=1.0
-        )
-        no_routes: tuple[ErrorRoute, ...] = ()
-        on_error = self._convert(
-            element,
-            extensions,
-            name="on_error",
-            convert=parse_routes,
-            allowed=ROUTES_RULE,
-            instead=no_routes,
-        )
-        return attempts, timeout_s, on_error or no_routes, self._point(element, extensions)
-
-    def _point(self, element: Element, extensions: Mapping[str, str]) -> Point | None:
-        rule = "two whole numbers of at most 5 digits, right and down, such as '120 40'"
-        return self._convert(
-            element, extensions, name="at", convert=_read_point, allowed=rule, instead=(0, 0)
+        return (
+            self._convert(element, extensions, _ATTEMPTS),
+            self._convert(element, extensions, _TIMEOUT),
+            self._convert(element, extensions, _ROUTES) or (),
+            self._convert(element, extensions, _AT),
         )
 
     def _container_body(self, element: Element, fields: Fields, shape: Shape) -> Chart:
@@ -368,29 +382,19 @@ class _ChartReader:
         return body
 
     def _convert(
-        self,
-        element: Element,
-        extensions: Mapping[str, str],
-        name: str,
-        convert: Callable[[str], _Value],
-        allowed: str,
-        instead: _Value,
+        self, element: Element, extensions: Mapping[str, str], wanted: _Extension[_Value]
     ) -> _Value | None:
-        """Return an extension attribute's value, None if it is absent.
-
-        One that is not allowed is reported and replaced, so that the rest is checked as if mended.
-        """
-        text = extensions.get(name)
+        """Return the value of an extension attribute; None if it is absent."""
+        text = extensions.get(wanted.name)
         if text is None:
             return None
         try:
-            return convert(text)
+            return wanted.convert(text)
         except ValueError:
-            message = f"{name}='{text}' is not allowed; give {allowed}."
-            self._elements.report(
-                self._tree.place(element, name), ProblemKind.INVALID_VALUE, message
-            )
-            return instead
+            message = f"{wanted.name}='{text}' is not allowed; give {wanted.allowed}."
+            place = self._tree.place(element, wanted.name)
+            self._elements.report(place, ProblemKind.INVALID_VALUE, message)
+            return wanted.instead
 
 
 class _IdForName:
@@ -411,24 +415,3 @@ def _nodes(element: Element) -> list[tuple[str, Element]]:
 def _has_outcome(model: Element) -> bool:
     """Return whether a datamodel holds an outcome, directly or in a wrapper."""
     return model.find("outcome") is not None or model.find("outcomes/outcome") is not None
-
-
-def _read_point(text: str) -> Point:
-    found = _POINT.match(text)
-    if found is None:
-        raise ValueError(text)
-    return int(found[1]), int(found[2])
-
-
-def _at_least_one(text: str) -> int:
-    value = parse_literal(text)
-    if type(value) is not int or value < 1:
-        raise ValueError(text)
-    return value
-
-
-def _positive(text: str) -> float:
-    value = parse_literal(text)
-    if type(value) not in (int, float) or not 0 < float(text) < math.inf:
-        raise ValueError(text)
-    return float(text)

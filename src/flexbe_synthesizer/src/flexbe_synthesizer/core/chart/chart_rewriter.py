@@ -10,7 +10,6 @@ from __future__ import annotations
 import re
 from bisect import bisect_left
 from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
-from itertools import takewhile
 from xml.etree.ElementTree import Element
 
 from flexbe_synthesizer.core.chart.chart_reader import read_chart
@@ -23,7 +22,7 @@ from flexbe_synthesizer.core.chart.chart_writer import (
     expect_xml,
     write_chart,
 )
-from flexbe_synthesizer.core.chart.error_routes import parse_routes, respelled
+from flexbe_synthesizer.core.chart.error_routes import common_ends, parse_routes, respelled
 from flexbe_synthesizer.core.chart.model import Chart
 from flexbe_synthesizer.core.chart.text_edits import Edits, Markup, Place, XmlLayout, style_of
 
@@ -69,20 +68,13 @@ def paired(group: str, olds: Sequence[Part], news: Sequence[Part]) -> list[int |
 
     Equal ones are the same, then those of one name, then those that stand in one place.
     """
-    head = _same(olds, news)
-    tail = min(_same(olds[::-1], news[::-1]), min(len(olds), len(news)) - head)
+    head, tail = common_ends(olds, news)
     middle = _paired(group, olds[head : len(olds) - tail], news[head : len(news) - tail])
     return [
         *range(head),
         *(None if index is None else head + index for index in middle),
         *range(len(olds) - tail, len(olds)),
     ]
-
-
-def _same(olds: Sequence[Part], news: Sequence[Part]) -> int:
-    """Return how many elements are equal at the beginning."""
-    pairs = zip(olds, news, strict=False)
-    return sum(1 for _pair in takewhile(lambda pair: pair[0] == pair[1], pairs))
 
 
 def _paired(group: str, olds: Sequence[Part], news: Sequence[Part]) -> list[int | None]:

@@ -124,8 +124,7 @@ def respelled(spelled: str, routes: tuple[ErrorRoute, ...]) -> str:
         old = parse_routes(spelled)
     except ValueError:
         return format_routes(routes)
-    head = _same(old, routes)
-    tail = min(_same(old[::-1], routes[::-1]), min(len(old), len(routes)) - head)
+    head, tail = common_ends(old, routes)
     middle = []
     for index in range(head, len(routes) - tail):
         blanks = re.match(r"\s*", pieces[index] if index < len(old) - tail else " ")
@@ -134,10 +133,13 @@ def respelled(spelled: str, routes: tuple[ErrorRoute, ...]) -> str:
     return ";".join((*pieces[:head], *middle, *pieces[len(pieces) - tail :]))
 
 
-def _same(one: Sequence[ErrorRoute], other: Sequence[ErrorRoute]) -> int:
-    """Return how many routes are the same at the beginning."""
-    pairs = itertools.takewhile(lambda pair: pair[0] == pair[1], zip(one, other, strict=False))
-    return sum(1 for _pair in pairs)
+def common_ends(one: Sequence[object], other: Sequence[object]) -> tuple[int, int]:
+    """Return how many items are the same at the beginning, and how many others at the end."""
+    counts = []
+    for pairs in (zip(one, other, strict=False), zip(one[::-1], other[::-1], strict=False)):
+        counts.append(sum(1 for _ in itertools.takewhile(lambda pair: pair[0] == pair[1], pairs)))
+    head, tail = counts
+    return head, min(tail, min(len(one), len(other)) - head)
 
 
 def route_event(route: ErrorRoute) -> str:
@@ -219,7 +221,7 @@ def read_error_table(table: object) -> tuple[ListedCode, ...]:
     for fault in _section(table, "faults"):
         if not isinstance(fault, Mapping):
             raise ValueError(f"{fault!r} is no fault with 'codes'")
-        for row in fault.get("codes") or ():
+        for row in _section(fault, "codes"):
             found.append(
                 ListedCode(*_checked(row), fault.get("severity"), fault.get("first_level"))
             )
@@ -227,7 +229,7 @@ def read_error_table(table: object) -> tuple[ListedCode, ...]:
 
 
 def _section(table: Mapping[str, object], name: str) -> Iterable[object]:
-    """Return the rows of a section of a table; none if it is missing."""
+    """Return the rows of a section of a table, or of a fault; none if it is missing."""
     rows = table.get(name, [])
     if not isinstance(rows, list):
         raise ValueError(f"'{name}' is {rows!r}; allowed: a list")

@@ -18,8 +18,9 @@ import contextlib
 import re
 from bisect import bisect_right
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import NamedTuple
 from xml.etree.ElementTree import Element, ParseError, TreeBuilder, XMLParser
 from xml.parsers import expat
 
@@ -34,37 +35,24 @@ _ATTRIBUTE = re.compile(rb"""\s*([^\s=/>]+)\s*=\s*("[^"]*"|'[^']*')""")
 _LINE_END = r"\r\n?|\n"
 
 
-@dataclass(frozen=True)
-class XmlAttribute:
-    """An attribute and where its name stands; `namespace` is empty for one without prefix."""
+@dataclass
+class Places:
+    """Where an element stands, its attributes by name, and the first text in it, if any."""
 
-    namespace: str
-    name: str
-    value: str
-    position: Position
-
-
-@dataclass(frozen=True)
-class XmlElement:
-    """An element, what is in it, and where it stands.
-
-    Attributes:
-        text: where the first text stands that is not blank.
-    """
-
-    namespace: str
-    name: str
-    position: Position
-    attributes: tuple[XmlAttribute, ...]
-    children: tuple[XmlElement, ...]
-    text: Position | None
+    element: Position
+    attributes: Mapping[str, Position]
+    text: Position | None = None
 
 
 @dataclass(frozen=True)
 class Document:
-    """The root element, and what was wrong without being fatal."""
+    """The root element, all places in document order, and what was wrong without being fatal.
 
-    root: XmlElement
+    Tags and attributes are spelled `{namespace}name`.
+    """
+
+    root: Element
+    places: tuple[Places, ...]
     problems: tuple[Problem, ...]
 
 
@@ -84,7 +72,7 @@ def read_utf8(data: bytes, file: str) -> Document:
         except ChartError as error:
             raise ChartError((*duplicates, *error.problems)) from error
         else:
-            return Document(document.root, (*duplicates, *document.problems))
+            return replace(document, problems=(*duplicates, *document.problems))
     raise ChartError(duplicates)
 
 
@@ -94,47 +82,40 @@ def read_description(data: bytes) -> str:
     Args:
         data: a document in UTF-8; it is read as far as its second element.
     """
-    elements: list[str] = []
-    before, inside = [""], list[str]()
-
-    def start(name: str, _attributes: object) -> None:
-        elements.append(name)
-        if len(elements) > 1:
-            raise _HeadReadError
-
-    def end(_name: str) -> None:
-        raise _HeadReadError
-
-    parser = expat.ParserCreate(encoding="utf-8")
-    parser.StartElementHandler = start
-    parser.EndElementHandler = end
-    parser.CommentHandler = lambda text: (inside if elements else before).append(text)
-    with contextlib.suppress(_HeadReadError, expat.ExpatError):
-        parser.Parse(data, True)
-    return (*inside, before[-1])[0]
+    _root, before, inside = _read_head(data)
+    return (*inside, *before[-1:], "")[0]
 
 
 def read_root(data: bytes) -> tuple[str, dict[str, str]]:
     """Return name and attributes of the outermost element as they are spelled; "" if there is none.
 
     Args:
-        data: a document in UTF-8; it is read as far as this element.
+        data: a document in UTF-8; it is read as far as its second element.
     """
-    found: list[tuple[str, dict[str, str]]] = []
+    return (*_read_head(data)[0], ("", {}))[0]
+
+
+def _read_head(data: bytes) -> tuple[list[tuple[str, dict[str, str]]], list[str], list[str]]:
+    """Return the outermost element, if any, and the comments before and at once in it."""
+    root: list[tuple[str, dict[str, str]]] = []
+    before, inside = list[str](), list[str]()
 
     def start(name: str, attributes: dict[str, str]) -> None:
-        found.append((name, attributes))
-        raise _HeadReadError
+        if root:
+            raise _HeadReadError
+        root.append((name, attributes))
 
-    def refuse(*_declaration: object) -> None:
+    def refuse(*_found: object) -> None:
         raise _HeadReadError
 
     parser = expat.ParserCreate(encoding="utf-8")
     parser.StartElementHandler = start
+    parser.EndElementHandler = refuse
     parser.StartDoctypeDeclHandler = refuse
+    parser.CommentHandler = lambda text: (inside if root else before).append(text)
     with contextlib.suppress(_HeadReadError, expat.ExpatError):
         parser.Parse(data, True)
-    return found[0] if found else ("", {})
+    return root, before, inside
 
 
 class _HeadReadError(Exception):
@@ -246,16 +227,13 @@ class _DuplicateAttributeError(Exception):
         self.mended = mended
 
 
-@dataclass
-class _Open:
-    """An element whose end has not been read yet."""
+class _Open(NamedTuple):
+    """An element whose end has not been read yet, and the prefixes that it declares."""
 
     name: str
-    position: Position
+    element: Element
+    places: Places
     prefixes: list[str]
-    attributes: list[XmlAttribute] = field(default_factory=list)
-    children: list[XmlElement] = field(default_factory=list)
-    text: Position | None = None
 
 
 class _Reading:
@@ -266,8 +244,9 @@ class _Reading:
         self._file = file
         self._problems: list[Problem] = []
         self._open: list[_Open] = []
+        self._places: list[Places] = []
         self._namespaces: dict[str, list[str]] = {"xml": [XML_NAMESPACE]}
-        self._root: XmlElement | None = None
+        self._root: Element | None = None
         self._parser = expat.ParserCreate(encoding="utf-8")
         self._parser.ordered_attributes = True
         self._parser.StartElementHandler = self._start
@@ -282,7 +261,7 @@ class _Reading:
             raise self._explain(error) from error
         if self._root is None:
             raise AssertionError("expat accepted a document without an element")
-        return Document(self._root, tuple(self._problems))
+        return Document(self._root, tuple(self._places), tuple(self._problems))
 
     def _here(self) -> Position:
         line, column = self._parser.CurrentLineNumber, self._parser.CurrentColumnNumber
@@ -290,32 +269,44 @@ class _Reading:
 
     def _start(self, name: str, pairs: list[str]) -> None:
         here = self._here()
-        places = dict(self._attribute_places(here))
+        found = dict(self._attribute_places(here))
         values = dict(zip(pairs[::2], pairs[1::2], strict=True))
-        element = _Open(name, here, [])
-        self._open.append(element)
+        prefixes = []
         for raw, value in values.items():
             declared = declared_prefix(raw)
             if declared is not None:
                 self._namespaces.setdefault(declared, []).append(value)
-                element.prefixes.append(declared)
-        known: set[tuple[str, str]] = set()
+                prefixes.append(declared)
+        attributes: dict[str, str] = {}
+        places: dict[str, Position] = {}
         for raw, value in values.items():
             if declared_prefix(raw) is not None:
                 continue
             prefix, _, local = raw.rpartition(":")
             namespace = self._namespace(prefix) if prefix else ""
+            spelled = _spelled(namespace, local)
             if namespace is None:
                 message = (
                     f"the prefix '{prefix}' is not declared; write "
                     f'xmlns:{prefix}="..." in the root element.'
                 )
-                self._problems.append(Problem(places[raw], ProblemKind.UNBOUND_PREFIX, message))
-            elif (namespace, local) in known:  # by two prefixes of one namespace
-                self._problems.append(_stands_twice(raw, places[raw]))
+                self._problems.append(Problem(found[raw], ProblemKind.UNBOUND_PREFIX, message))
+            elif spelled in attributes:  # by two prefixes of one namespace
+                self._problems.append(_stands_twice(raw, found[raw]))
             else:
-                known.add((namespace, local))
-                element.attributes.append(XmlAttribute(namespace, local, value, places[raw]))
+                attributes[spelled], places[spelled] = value, found[raw]
+        prefix, _, local = name.rpartition(":")
+        namespace = self._namespace(prefix)
+        if namespace is None and prefix:
+            message = f"the prefix '{prefix}' of <{name}> is not declared."
+            self._problems.append(Problem(here, ProblemKind.UNBOUND_PREFIX, message))
+        element = Element(_spelled(namespace, local), attributes)
+        if self._open:
+            self._open[-1].element.append(element)
+        else:
+            self._root = element
+        self._places.append(Places(here, places))
+        self._open.append(_Open(name, element, self._places[-1], prefixes))
 
     def _namespace(self, prefix: str) -> str | None:
         """Return what a prefix stands for in the element that is open; None: nothing."""
@@ -332,32 +323,16 @@ class _Reading:
             yield found[1].decode(), Position(self._file, line, column)
 
     def _end(self, _name: str) -> None:
-        done = self._open.pop()
-        prefix, _, local = done.name.rpartition(":")
-        namespace = self._namespace(prefix)
-        for declared in done.prefixes:
-            self._namespaces[declared].pop()
-        if namespace is None and prefix:
-            message = f"the prefix '{prefix}' of <{done.name}> is not declared."
-            self._problems.append(Problem(done.position, ProblemKind.UNBOUND_PREFIX, message))
-        element = XmlElement(
-            namespace or "",
-            local,
-            position=done.position,
-            attributes=tuple(done.attributes),
-            children=tuple(done.children),
-            text=done.text,
-        )
-        if self._open:
-            self._open[-1].children.append(element)
-        else:
-            self._root = element
+        for prefix in self._open.pop().prefixes:
+            self._namespaces[prefix].pop()
 
     def _take_text(self, text: str) -> None:
-        if self._open[-1].text is None and text.strip():
+        innermost = self._open[-1]
+        if innermost.places.text is None and text.strip():
             file, line, column = self._here()
             blanks = len(text) - len(text.lstrip())
-            self._open[-1].text = Position(file, line, column + blanks)
+            innermost.places.text = Position(file, line, column + blanks)
+            innermost.element.text = "text"
 
     def _refuse_doctype(self, *_declaration: object) -> None:
         message = "a chart has no document type and no entities; delete the <!DOCTYPE ...>."
@@ -381,7 +356,7 @@ class _Reading:
             message = "the file is empty; a chart is one <statemachine> element."
         elif self._open:
             innermost = self._open[-1]
-            message += f" <{innermost.name}> of line {innermost.position.line} is open here."
+            message += f" <{innermost.name}> of line {innermost.places.element.line} is open here."
         return ChartError([Problem(position, ProblemKind.NOT_XML, message)])
 
 
@@ -415,8 +390,7 @@ class XmlTree:
         self.problems: tuple[Problem, ...] = ()
         self._is_fast = root is not None
         if root is None:
-            self.problems = self._exact.problems
-            root = _built(self._exact.root)
+            root, self.problems = self._exact.root, self._exact.problems
         self.root = root
         text = "".join(self.root.itertext())
         self.has_text = bool(text) and not text.isspace()
@@ -435,9 +409,9 @@ class XmlTree:
         namespace, _, name = attribute.rpartition("}")
         if not self._is_fast:
             exact = self._places[id(element)]
-            same = [a for a in exact.attributes if name and a.name == name]
-            same.sort(key=lambda a: (a.namespace == "") is (namespace != ""))
-            return same[0].position if same else exact.position
+            same = [n for n in exact.attributes if name and n.rpartition("}")[2] == name]
+            same.sort(key=lambda spelled: spelled != attribute)
+            return exact.attributes[same[0]] if same else exact.element
         start = self._starts[id(element)]
         found = [(m[1].decode(), m.start(1)) for m in attributes_of(self._data, start) if name]
         spelled = [s for s in found if s[0].rpartition(":")[2] == name]
@@ -474,10 +448,9 @@ class XmlTree:
         return read_utf8(self._data, self._file)
 
     @cached_property
-    def _places(self) -> dict[int, XmlElement]:
-        """Return for each element, by identity, the same one with its places."""
-        exact = _in_order(self._exact.root)
-        return {id(element): next(exact) for element in self.root.iter()}
+    def _places(self) -> Mapping[int, Places]:
+        """Return the places of each element and of what is in it, by the element's identity."""
+        return dict(zip(map(id, self.root.iter()), self._exact.places, strict=True))
 
 
 def _parse(data: bytes) -> Element | None:
@@ -493,28 +466,5 @@ def _parse(data: bytes) -> Element | None:
     return root
 
 
-def _built(exact: XmlElement) -> Element:
-    """Return the tree of an element that was read with its places."""
-    root = Element("")
-    waiting = [(exact, root)]
-    while waiting:
-        read, made = waiting.pop()
-        made.tag = _spelled(read.namespace, read.name)
-        made.attrib.update((_spelled(a.namespace, a.name), a.value) for a in read.attributes)
-        made.text = None if read.text is None else "text"
-        made.extend([Element("") for _child in read.children])
-        waiting.extend(zip(read.children, made, strict=True))
-    return root
-
-
-def _spelled(namespace: str, name: str) -> str:
+def _spelled(namespace: str | None, name: str) -> str:
     return f"{{{namespace}}}{name}" if namespace else name
-
-
-def _in_order(root: XmlElement) -> Iterator[XmlElement]:
-    """Yield the element and all below it, in the order of the document."""
-    waiting = [root]
-    while waiting:
-        element = waiting.pop()
-        yield element
-        waiting.extend(reversed(element.children))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
-from flexbe_synthesizer.core.chart.model import Behavior, Chart, State, walk_nodes
+from flexbe_synthesizer.core.chart.model import Chart, State
 from flexbe_synthesizer.core.chart.names import is_topic_parameter
 from flexbe_synthesizer.core.chart.problem import Problem, ProblemList
 from flexbe_synthesizer.core.check.check_connections import (
@@ -32,7 +32,7 @@ from flexbe_synthesizer.core.check.check_transitions import (
 from flexbe_synthesizer.core.library.resolve import (
     ResolvedChart,
     ResolvedNode,
-    included_path,
+    named_behaviors,
     resolve_chart,
     scopes,
 )
@@ -176,14 +176,8 @@ class NestedBehaviors:
     def _inside(self, behavior: BehaviorClass) -> Iterator[BehaviorClass]:
         """Yield the behaviors inside another one, as far as their effects matter to it."""
         chart = self._chart(behavior) if behavior.outputs else None
-        if chart is None:
-            return
-        for node in walk_nodes(chart):
-            if isinstance(node, Behavior):
-                path = included_path(chart, node)
-                found = self._library.find_behaviors(node.type) if path is None else ()
-                candidates = (self._charts.get(path),) if path is not None else found
-                yield from (one for one in candidates if isinstance(one, BehaviorClass))
+        if chart is not None:
+            yield from named_behaviors(chart, self._library, self._charts)
 
     def _chart(self, behavior: BehaviorClass) -> Chart | None:
         """Return the chart of a behavior, None if it cannot be read back."""

@@ -22,6 +22,7 @@ from flexbe_synthesizer.core.chart.model import (
     State,
     as_declared,
     quick,
+    walk_nodes,
 )
 from flexbe_synthesizer.core.chart.names import EXHAUSTED, PREEMPTED, TIMED_OUT
 from flexbe_synthesizer.core.chart.problem import Problem, ProblemKind
@@ -122,6 +123,23 @@ def included_path(chart: Chart, node: Node) -> str | None:
     if not isinstance(node, Behavior) or not node.type.endswith(".xml"):
         return None
     return posixpath.normpath(posixpath.join(posixpath.dirname(chart.file), node.type))
+
+
+def named_behaviors(
+    chart: Chart, library: Library, charts: Mapping[str, BehaviorClass]
+) -> Iterator[BehaviorClass]:
+    """Yield what the behaviors in a chart can be.
+
+    Args:
+        chart: what names them.
+        library: what is on the ROS package path.
+        charts: the behaviors that other charts become, by path.
+    """
+    for node in walk_nodes(chart):
+        if isinstance(node, Behavior):
+            path = included_path(chart, node)
+            named = library.find_behaviors(node.type) if path is None else (charts.get(path),)
+            yield from (one for one in named if isinstance(one, BehaviorClass))
 
 
 # Look up what each state and behavior of a chart names, and what a container offers
