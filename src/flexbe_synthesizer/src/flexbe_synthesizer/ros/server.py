@@ -89,19 +89,19 @@ class SynthesisServer:
 
         def expect_time() -> None:
             in_time()
-            if handle.get_goal_status().status == GoalStatus.PREEMPTING:
+            # It may have been cancelled at the very moment at which it was accepted.
+            if handle.get_goal_status().status != GoalStatus.ACTIVE:
                 raise RequestError(ErrorCode.CANCELLED, "cancelled; nothing was written")
 
         request = Request(asked.goal, asked.initial_condition, tuple(asked.sm_outcomes))
         try:
             answer = fulfil(request, self._settings, report, expect_time, memory=self._memory)
+            _succeed(handle, answer)
         except RequestError as error:
             self._fail(handle, error.code, str(error))
         except Exception as error:  # noqa: BLE001 - one request must not end the others
             rospy.logerr("synthesis failed", exc_info=True)
             self._fail(handle, ErrorCode.INTERNAL, f"internal error: {error!r}; see the log")
-        else:
-            _succeed(handle, answer)
 
     def _fail(self, handle: actionlib.ServerGoalHandle, code: ErrorCode, text: str) -> None:
         handle.publish_feedback(BehaviorSynthesisFeedback(text, 1.0))
