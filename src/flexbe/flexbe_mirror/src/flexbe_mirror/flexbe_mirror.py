@@ -26,7 +26,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 import rospy
-from flexbe_msgs.msg import BehaviorSync, BEStatus, ContainerStructure
+from flexbe_msgs.msg import BehaviorSync, BEStatus, Container, ContainerStructure
 from genpy import Message
 from std_msgs.msg import Empty, Int32, String, UInt8
 
@@ -38,29 +38,14 @@ class StructureError(ValueError):
     """A structure message that does not describe a whole behavior."""
 
 
-@dataclass(frozen=True)
-class Part:
-    """A container or state.
-
-    Attributes:
-        path: its path; empty for the root.
-        children: labels of its children; none for a state.
-        transitions: outcomes in their order -> label or outcome of the container around it.
-    """
-
-    path: str
-    children: tuple[str, ...]
-    transitions: tuple[tuple[str, str], ...]
-
-
 class Tree:
     """The parts of one behavior.
 
     Attributes:
-        parts: path -> part.
+        parts: path -> container or state.
     """
 
-    def __init__(self, parts: Iterable[Part]) -> None:
+    def __init__(self, parts: Iterable[Container]) -> None:
         """Put the parts together; their order does not matter.
 
         Raises:
@@ -94,15 +79,16 @@ class Tree:
         Raises:
             LookupError: if there is no such state, or it has no such outcome.
         """
-        if not 0 <= outcome_index < len(self.parts[path].transitions):
+        part = self.parts[path]
+        if not 0 <= outcome_index < len(part.transitions):
             raise IndexError(f"{path} has no outcome {outcome_index}")
-        target = self.parts[path].transitions[outcome_index][1]
+        target = part.transitions[outcome_index]
         while path:
             container = path.rpartition("/")[0]
             if target in self.parts[container].children:
                 return self.first_state(f"{container}/{target}")
-            path = container
-            target = dict(self.parts[path].transitions).get(target, target)
+            path, part = container, self.parts[container]
+            target = dict(zip(part.outcomes, part.transitions, strict=False)).get(target, target)
         return None
 
 
@@ -301,15 +287,7 @@ class FlexbeMirror:
         return self._mirror.on_status(message.code, message.behavior_id, args, time.monotonic())
 
     def _on_structure(self, message: ContainerStructure) -> list[Action]:
-        tree = Tree(
-            Part(
-                part.path,
-                tuple(part.children),
-                tuple(zip(part.outcomes, part.transitions, strict=False)),
-            )
-            for part in message.containers
-        )
-        return self._mirror.on_structure(message.behavior_id, tree)
+        return self._mirror.on_structure(message.behavior_id, Tree(message.containers))
 
     def _on_active_state(self, message: String) -> list[Action]:
         return self._mirror.on_active_state(message.data)

@@ -1,6 +1,7 @@
 """How a mirror responds to the messages of an engine."""
 
 import pytest
+from flexbe_msgs.msg import Container
 
 from flexbe_core.engine.supervision import StatusCode, checksum
 from flexbe_mirror.flexbe_mirror import (
@@ -10,16 +11,15 @@ from flexbe_mirror.flexbe_mirror import (
     AskForStructure,
     AskWhere,
     Mirror,
-    Part,
     Show,
     Tree,
 )
 
 TREE = Tree(
     [
-        Part("", ("A", "B"), ()),
-        Part("/A", (), (("done", "B"),)),
-        Part("/B", (), (("done", "A"), ("end", "finished"))),
+        Container(path="", children=["A", "B"]),
+        Container(path="/A", outcomes=["done"], transitions=["B"]),
+        Container(path="/B", outcomes=["done", "end"], transitions=["A", "finished"]),
     ]
 )
 BEHAVIOR = 7

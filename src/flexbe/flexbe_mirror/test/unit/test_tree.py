@@ -1,12 +1,13 @@
 """Which state follows."""
 
 import pytest
+from flexbe_msgs.msg import Container
 
 from flexbe_core import OperatableStateMachine
 from flexbe_core.engine.definitions import structure_of
 from flexbe_core.engine.supervision import checksum
 from flexbe_core.testing import ScriptedState
-from flexbe_mirror.flexbe_mirror import Part, StructureError, Tree
+from flexbe_mirror.flexbe_mirror import StructureError, Tree
 
 
 def tree():
@@ -22,10 +23,7 @@ def tree():
     with root:
         OperatableStateMachine.add("Box", inner, {"ok": "Say", "bad": "failed"})
         OperatableStateMachine.add("Say", ScriptedState(), {"done": "finished"})
-    return Tree(
-        Part(p.path, p.children, tuple(zip(p.outcomes, p.transitions, strict=False)))
-        for p in reversed(structure_of(root))
-    )
+    return Tree(reversed(structure_of(root)))
 
 
 def test_the_first_state_is_the_innermost():
@@ -49,7 +47,10 @@ def test_states_are_found_by_the_checksum_of_their_path():
 
 @pytest.mark.parametrize(
     ("parts", "text"),
-    [([], "no root"), ([Part("", ("A", "B"), ()), Part("/A", (), ())], "lacks /B")],
+    [
+        ([], "no root"),
+        ([Container(path="", children=["A", "B"]), Container(path="/A")], "lacks /B"),
+    ],
 )
 def test_a_structure_that_is_not_whole_is_refused(parts, text):
     with pytest.raises(StructureError, match=text):

@@ -22,7 +22,7 @@ from flexbe_core.engine.leaf import Leaf
 from flexbe_core.engine.supervision import Left, Shown, StatusCode, Synced, checksum
 from flexbe_core.engine.user_data import BehaviorFailure
 from flexbe_core.testing import ScriptedState
-from flexbe_mirror.flexbe_mirror import AskWhere, Mirror, Part, Show, Tree
+from flexbe_mirror.flexbe_mirror import AskWhere, Mirror, Show, Tree
 
 RUNS = 1000
 RUNS_PER_TEST = 250
@@ -86,10 +86,7 @@ class Follower:
 
     def join(self, is_late):
         """Begin to follow: from the first state, or wherever a running behavior is."""
-        parts = (
-            Part(part.path, part.children, tuple(zip(part.outcomes, part.transitions)))  # noqa: B905
-            for part in structure_of(self.engine.root.definition)
-        )
+        parts = structure_of(self.engine.root.definition)
         messages = [
             lambda: self.mirror.on_structure(BEHAVIOR, Tree(parts)),
             lambda: self.mirror.on_status(StatusCode.STARTED, BEHAVIOR, (), 0.0),
