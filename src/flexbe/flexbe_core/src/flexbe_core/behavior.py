@@ -237,7 +237,7 @@ class Behavior:
             machine.destroy()
 
     def release(self, offer: Callable[[MigratingState | None], bool]) -> None:
-        """Detach the active state and end the run if `offer` accepts it; see commands.Release."""
+        """Detach the active state and end the run if `offer` accepts it, see Release."""
         own_session(self._prepared()).post(Release(offer))
 
     def preempt(self) -> None:

@@ -157,7 +157,7 @@ class Engine:
         moved: whether a transition was taken since it was last set to False.
         executing: the state that is being executed, or was last.
         root_path: path of the root; empty but for a part of a behavior that is run by itself.
-        slow: whether cycles are slowed down, see machine.py; for the driver to set.
+        slow: whether cycles are slowed down, see containers.py; for the driver to set.
         released: whether the active state was detached for another version.
         recording: whether to return also the events that only the run log needs (Ended, Forced).
         sync_pending: whether to sync mirrors as soon as a state is active.

@@ -272,7 +272,7 @@ Command = (
 # executed at all? AFTER, with the outcome it returned: may it leave? The first rule of the table
 # that applies decides. A rule may read the supervision, the moment, and nothing else.
 #
-# Leaves and containers carry out the act (leaf.py, leaf.py), where a new act needs a
+# Leaves and containers carry out the act (leaf.py, containers.py), where a new act needs a
 # branch. tools/draw_engine.py draws both tables into docs/engine.md.
 
 
@@ -419,7 +419,17 @@ class ActiveState:
 
 def apply_command(supervision: Supervision, command: StateCommand, state: ActiveState) -> Applied:
     """Return the supervision after a command, and the events that answer the operator."""
-    return _HANDLERS[type(command)](supervision, command, state)
+    match command:
+        case ForceOutcome():
+            return _force(supervision, command, state)
+        case Lock() | Unlock():
+            return _lock_or_unlock(supervision, command, state)
+        case Pause():
+            return replace(supervision, paused=True), (Answered("pause"),)
+        case Resume():
+            return replace(supervision, paused=False), (Answered("resume"),)
+        case Repeat():
+            return replace(supervision, repeat=True), (Answered("repeat"),)
 
 
 def _force(supervision: Supervision, command: ForceOutcome, state: ActiveState) -> Applied:
@@ -435,43 +445,15 @@ def _force(supervision: Supervision, command: ForceOutcome, state: ActiveState) 
     return replace(supervision, forced=state.outcomes[command.index]), (answer,)
 
 
-def _lock(supervision: Supervision, command: Lock, state: ActiveState) -> Applied:
-    path = command.path or state.path
-    if path != state.path and path not in state.ancestors:
-        text = f"asked to lock {path!r}, which is not active; active is {state.path!r}"
-        return supervision, (Answered("lock", (path, "")), Refused(text))
-    return replace(supervision, locks=supervision.locks | {path}), (Answered("lock", (path, path)),)
-
-
-def _unlock(supervision: Supervision, command: Unlock, state: ActiveState) -> Applied:
-    path = command.path
-    if not path and state.path in supervision.locks:
+def _lock_or_unlock(
+    supervision: Supervision, command: Lock | Unlock, state: ActiveState
+) -> Applied:
+    word, path, locks = type(command).__name__.lower(), command.path, supervision.locks
+    if not path and (word == "lock" or state.path in locks):
         path = state.path
-    if path and path != state.path and path not in state.ancestors:
-        text = f"asked to unlock {path!r}, which is not active; active is {state.path!r}"
-        return supervision, (Answered("unlock", (path, "")), Refused(text))
-    return replace(supervision, locks=supervision.locks - {path}), (
-        Answered("unlock", (path, path)),
-    )
-
-
-def _pause(supervision: Supervision, command: Pause, state: ActiveState) -> Applied:
-    return replace(supervision, paused=True), (Answered("pause"),)
-
-
-def _resume(supervision: Supervision, command: Resume, state: ActiveState) -> Applied:
-    return replace(supervision, paused=False), (Answered("resume"),)
-
-
-def _repeat(supervision: Supervision, command: Repeat, state: ActiveState) -> Applied:
-    return replace(supervision, repeat=True), (Answered("repeat"),)
-
-
-_HANDLERS: dict[type, Callable[[Supervision, Any, ActiveState], Applied]] = {
-    ForceOutcome: _force,
-    Lock: _lock,
-    Unlock: _unlock,
-    Pause: _pause,
-    Resume: _resume,
-    Repeat: _repeat,
-}
+    # An unlock of nothing is answered with empty paths, which operator interfaces take for success.
+    if path and path not in (state.path, *state.ancestors):
+        text = f"asked to {word} {path!r}, which is not active; active is {state.path!r}"
+        return supervision, (Answered(word, (path, "")), Refused(text))
+    locks = locks | {path} if word == "lock" else locks - {path}
+    return replace(supervision, locks=locks), (Answered(word, (path, path)),)
