@@ -9,7 +9,6 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from enum import Enum
 
 import rospy
@@ -32,19 +31,6 @@ class HangPolicy(Enum):
     """Cancel the goals of the behavior, end it as failed, and restart the engine."""
 
 
-@dataclass(frozen=True)
-class Execution:
-    """A state that is being executed.
-
-    Attributes:
-        path: its path.
-        since: [s] when the execution began, by any clock that only goes forward.
-    """
-
-    path: str
-    since: float
-
-
 class HangAlarm:
     """Reports each hang once, and again each REPORT_AGAIN_S."""
 
@@ -54,16 +40,21 @@ class HangAlarm:
         self._since = 0.0
         self._report_at = 0.0
 
-    def check(self, execution: Execution | None, now: float) -> float | None:
-        """Return how long [s] the execution has taken, if that is to be reported now."""
-        if execution is None or not self._limit_s:
+    def check(self, since: float | None, now: float) -> float | None:
+        """Return how long [s] an execution has taken, if that is to be reported now.
+
+        Args:
+            since: [s] when it began, by any clock that only goes forward; None between executions.
+            now: [s] by the same clock.
+        """
+        if since is None or not self._limit_s:
             return None
-        if execution.since != self._since:
-            self._since, self._report_at = execution.since, execution.since + self._limit_s
+        if since != self._since:
+            self._since, self._report_at = since, since + self._limit_s
         if now < self._report_at:
             return None
         self._report_at = now + REPORT_AGAIN_S
-        return now - execution.since
+        return now - since
 
 
 class HangWatch:
@@ -90,15 +81,15 @@ class HangWatch:
         """Check once, and report a hang."""
         behavior = self._running()
         found = behavior.get_execution() if behavior is not None else None
-        execution = Execution(*found) if found is not None else None
-        hanging_s = self._alarm.check(execution, time.monotonic())
-        if behavior is not None and execution is not None and hanging_s is not None:
+        path, since = found or ("", None)
+        hanging_s = self._alarm.check(since, time.monotonic())
+        if behavior is not None and hanging_s is not None:
             Logger.logerr(
                 "%s has not returned for %.1f s: until it does, the engine executes nothing else "
                 "and applies no command, not even a preempt",
-                *(execution.path or "the behavior's only state", hanging_s),
+                *(path or "the behavior's only state", hanging_s),
             )
-            self._on_hang(behavior, execution.path)
+            self._on_hang(behavior, path)
 
 
 # Serve the userdata of the running behavior
