@@ -7,22 +7,113 @@ import difflib
 import re
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping
+from dataclasses import dataclass
 from xml.etree import ElementTree
 
+from flexbe_testing.core import app_load
 from flexbe_testing.core.app_behavior import (
-    AppBehavior,
     AppLoadError,
     BehaviorUse,
     Child,
     Container,
     Known,
+    StateDefinition,
     StateUse,
-    is_balanced,
-    walk,
+    _marks,
+    manual_sections,
+    section,
+    without_manual,
 )
-from flexbe_testing.core.app_load import load_behavior
 
 _SHOWN = 6  # changed lines that a complaint shows
+_PARAMETER = re.compile(r"self\.add_parameter\(['\"](\w+)['\"], (.*)\)[ \t]*$", re.MULTILINE)
+_USERDATA = re.compile(r"^[ \t]*\w+\.userdata\.(\w+) = (.*)$", re.MULTILINE)
+_BRACKETS = {"(": ")", "[": "]", "{": "}"}
+
+
+@dataclass(frozen=True)
+class AppBehavior:
+    """A loaded behavior."""
+
+    name: str
+    class_name: str
+    description: str
+    author: str
+    date: str
+    parameters: Mapping[str, str]
+    notes: str
+    private: Mapping[str, str]
+    userdata: Mapping[str, str]
+    manual: Mapping[str, str]
+    root: Container
+    lost: tuple[str, ...]
+
+
+def load(text: str, known: Known) -> AppBehavior:
+    """Return all that the App takes from a behavior's file.
+
+    Raises:
+        AppLoadError: if the App cannot load it.
+    """
+    root, lost = app_load.load_behavior(text, known)
+    read = without_manual(text)
+    init, create = section(read, app_load._INIT), section(read, app_load._CREATE)
+    created, description = app_load._CREATED.search(read), app_load._DESCRIPTION.search(read)
+    notes = (line.strip() for line in init.partition(app_load._COMMENTS)[2].splitlines())
+    return AppBehavior(
+        name=app_load._NAME.search(init)[1],
+        class_name=app_load._class_name(read),
+        description=description[1].strip() if description else "",
+        author=created[2] if created else "",
+        date=created[1] if created else "",
+        parameters=dict(_PARAMETER.findall(init)),
+        notes="\n".join(line for line in notes if line),
+        private=app_load.CreateSection(create, known, []).private(),
+        userdata=dict(_USERDATA.findall(create)),
+        manual=manual_sections(text),
+        root=root,
+        lost=lost,
+    )
+
+
+def walk(container: Container, path: str = "") -> Iterator[tuple[str, Child]]:
+    """Yield all children with their paths, those of a container after it."""
+    for child in container.children:
+        inner = f"{path}/{child.label}"
+        yield inner, child
+        if isinstance(child.content, Container):
+            yield from walk(child.content, inner)
+
+
+def alias(known: Known, state: StateDefinition) -> str:
+    """Return the name that the App gives to a state when it saves a behavior."""
+    of_this_name = [s for s in known.states if s.class_name == state.class_name]
+    is_unique = len(of_this_name) == 1
+    return state.class_name if is_unique else f"{state.package}__{state.class_name}"
+
+
+def _is_concurrent(container: Container) -> bool:
+    return container.kind == "ConcurrencyContainer"
+
+
+def _is_balanced(text: str) -> bool:
+    """Return whether all brackets and quotes of a value close."""
+    open_ones = []
+    for _place, mark in _marks(text):
+        if mark in _BRACKETS:
+            open_ones.append(_BRACKETS[mark])
+        elif mark != "," and (not open_ones or open_ones.pop() != mark):
+            return False
+    return not open_ones
+
+
+def _level(child: Child, outcome: str) -> str:
+    """Return the autonomy that an outcome needs."""
+    inherit = "Autonomy.Inherit"
+    default = "Autonomy.Off" if isinstance(child.content, StateUse) else inherit
+    level = child.autonomy.get(outcome, default)
+    is_level = re.fullmatch(r"Autonomy\.(Off|Low|High|Full|Inherit)|-?\d+", level)
+    return level if is_level else inherit
 
 
 def judge(text: str, known: Known) -> list[str]:
@@ -33,7 +124,7 @@ def judge(text: str, known: Known) -> list[str]:
         known: the states and behaviors of the workspace.
     """
     try:
-        behavior = load_behavior(text, known)
+        behavior = load(text, known)
     except AppLoadError as error:
         return [f"the App cannot load it: {error}"]
     complaints = list(behavior.lost)
@@ -45,7 +136,7 @@ def judge(text: str, known: Known) -> list[str]:
     try:
         complaints += _changes(text, save_behavior(behavior, known, with_defaults=False), known)
         saved = save_behavior(behavior, known)
-        if save_behavior(load_behavior(saved, known), known) != saved:
+        if save_behavior(load(saved, known), known) != saved:
             complaints.append("what the App saves, it loads as something else")
     except (AppLoadError, SyntaxError) as error:
         complaints.append(f"the App saves what cannot be read: {error}")
@@ -58,7 +149,7 @@ def saved_by_app(text: str, known: Known) -> str:
     Raises:
         AppLoadError: if the App cannot load it.
     """
-    return save_behavior(load_behavior(text, known), known)
+    return save_behavior(load(text, known), known)
 
 
 def _changes(text: str, saved: str, known: Known) -> Iterator[str]:
@@ -131,7 +222,7 @@ def _check_container(container: Container, path: str, available: Collection[str]
                 yield f"input '{key}' of '{inner}': nothing before it writes '{home}'"
         if isinstance(child.content, Container):
             yield from _check_container(child.content, inner, child.content.input_keys)
-    if container.is_concurrent:
+    if _is_concurrent(container):
         yield from _check_conditions(container, title)
 
 
@@ -152,7 +243,7 @@ def _check_child(child: Child, path: str) -> Iterator[str]:
                     f"parameter '{name}' of '{path}' is empty: the App takes `()`, and what "
                     "follows a trailing comma, for an empty first value; give one by name"
                 )
-            elif not is_balanced(value):
+            elif not _is_balanced(value):
                 yield (
                     f"parameter '{name}' of '{path}' has a bracket or quote that does not close: "
                     f"{value}"
@@ -195,7 +286,7 @@ def _writers_before(container: Container) -> Mapping[str, tuple[Child, ...]]:
     """Return, by label, all children from which transitions lead to one."""
     by_label = {child.label: child for child in container.children}
     before: dict[str, set[str]] = {label: set() for label in by_label}
-    if not container.is_concurrent:
+    if not _is_concurrent(container):
         for child in container.children:
             for target in child.transitions.values():
                 before.get(target, set()).add(child.label)
@@ -334,9 +425,10 @@ class _Writer:
         for _path, child in walk(root):
             content = child.content
             if isinstance(content, StateUse):
-                name, alias = content.definition.class_name, self._known.alias(content.definition)
-                line = f"from {content.definition.module} import {name}"
-                found.add(line if name == alias else f"{line} as {alias}")
+                definition = content.definition
+                name, as_name = definition.class_name, alias(self._known, definition)
+                line = f"from {definition.module} import {name}"
+                found.add(line if name == as_name else f"{line} as {as_name}")
             elif isinstance(content, BehaviorUse):
                 definition = content.definition
                 found.add(f"from {definition.module} import {definition.class_name}")
@@ -349,7 +441,7 @@ class _Writer:
             "output_keys": container.output_keys,
         }
         given = [f"{k}={_names(v)}" for k, v in lists.items() if v or k == "outcomes"]
-        if container.is_concurrent:
+        if _is_concurrent(container):
             conditions = f",{_MORE}".join(map(_condition, container.conditions))
             given.append(f"conditions=[{_MORE}{conditions}{_MORE}]")
         places = ", ".join(f"x:{x} y:{y}" for x, y in container.places)
@@ -367,7 +459,7 @@ class _Writer:
     def _add(self, path: str, child: Child) -> str:
         outcomes = child.content.outcomes
         targets = [f"'{o}': '{child.transitions[o]}'" for o in outcomes if o in child.transitions]
-        levels = [f"'{outcome}': {child.level(outcome)}" for outcome in outcomes]
+        levels = [f"'{outcome}': {_level(child, outcome)}" for outcome in outcomes]
         homes = [f"'{key}': '{child.remapping[key]}'" for key in child.keys]
         (x, y), content = child.place, child.content
         internal = {}
@@ -391,7 +483,7 @@ class _Writer:
                 for name in content.definition.parameters
                 if not name.startswith("?") and (self._with_defaults or name in content.given)
             ]
-            return f"{self._known.alias(content.definition)}({', '.join(given)})"
+            return f"{alias(self._known, content.definition)}({', '.join(given)})"
         parts = [content.definition.class_name, f"'{path[1:]}'"]
         if content.keys_by_default:
             parts.append(f"default_keys={_names(content.keys_by_default)}")
@@ -459,7 +551,7 @@ def _complaints(root: ElementTree.Element, text: str, known: Known) -> Iterator[
     for tag in _DEMANDED:
         if not (root.findtext(tag) or "").strip():
             yield f"the behavior has no {tag}"
-    behavior = load_behavior(text, known)
+    behavior = load(text, known)
     if behavior.name != name:
         yield f"the code is of behavior '{behavior.name}', the manifest of '{name}'"
     used = {

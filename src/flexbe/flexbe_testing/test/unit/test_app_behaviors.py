@@ -1,10 +1,10 @@
 """Behaviors as the FlexBE App loads, checks and saves them."""
 
 import pytest
-from app_judge import judge, judge_manifest, saved_by_app
+from app_judge import alias, judge, judge_manifest, load, saved_by_app, walk
 
-from flexbe_testing.core.app_behavior import AppLoadError, Known, read_state, walk
-from flexbe_testing.core.app_load import define_behavior, load_behavior
+from flexbe_testing.core.app_behavior import AppLoadError, Known, read_state
+from flexbe_testing.core.app_load import define_behavior
 
 STATE = """
 class {name}(EventState):
@@ -188,7 +188,7 @@ def test_a_behavior_is_saved_as_it_was_loaded(known):
 
 
 def test_what_is_loaded_is_what_the_file_holds(known):
-    behavior = load_behavior(BEHAVIOR, known)
+    behavior = load(BEHAVIOR, known)
     children = dict(walk(behavior.root))
     assert list(children) == [
         "/Look",
@@ -274,7 +274,7 @@ def test_a_class_name_of_two_packages_is_distinguished_by_the_package():
     assert both.state("b__A", []) is there
     assert both.state("A", ["y"]) is there
     assert both.state("A", ["z"]) is None
-    assert (both.alias(here), Known([here]).alias(here)) == ("a__A", "A")
+    assert (alias(both, here), alias(Known([here]), here)) == ("a__A", "A")
 
 
 def test_a_manifest_names_the_file_and_the_class_that_the_app_writes(known):

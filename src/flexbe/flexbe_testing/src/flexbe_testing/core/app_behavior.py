@@ -10,10 +10,8 @@ from __future__ import annotations
 import ast
 import itertools
 import re
-from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
-from functools import cached_property
 
 _OPEN, _CLOSE = "([{", ")]}"
 _QUOTED = re.compile(r"\s*(?:'([^']*)'|\"([^\"]*)\")\s*\Z")
@@ -88,17 +86,6 @@ def parts(text: str) -> list[str]:
             cuts.append(place)
     cuts.append(len(text))
     return [text[a + 1 : b].strip() for a, b in itertools.pairwise(cuts)]
-
-
-def is_balanced(text: str) -> bool:
-    """Return whether all brackets and quotes of a value close."""
-    open_ones = []
-    for _place, mark in _marks(text):
-        if mark in _OPEN:
-            open_ones.append(_CLOSE[_OPEN.index(mark)])
-        elif mark != "," and (not open_ones or open_ones.pop() != mark):
-            return False
-    return not open_ones
 
 
 def unquoted(text: str) -> str | None:
@@ -286,8 +273,6 @@ def _hidden(state: ast.ClassDef, seen: StateDefinition | None) -> Iterator[tuple
 
 
 Point = tuple[int, int]
-OFF, INHERIT = "Autonomy.Off", "Autonomy.Inherit"
-_LEVEL = re.compile(r"Autonomy\.(Off|Low|High|Full|Inherit)|-?\d+")
 
 
 @dataclass(frozen=True)
@@ -300,7 +285,6 @@ class BehaviorDefinition:
     outcomes: tuple[str, ...] = ()
     input_keys: tuple[str, ...] = ()
     output_keys: tuple[str, ...] = ()
-    parameters: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -372,11 +356,6 @@ class Container:
     conditions: tuple[tuple[str, tuple[tuple[str, str], ...]], ...] = ()
     children: tuple[Child, ...] = ()
 
-    @property
-    def is_concurrent(self) -> bool:
-        """Return whether all children run at once."""
-        return self.kind == "ConcurrencyContainer"
-
 
 @dataclass(frozen=True)
 class Child:
@@ -393,43 +372,6 @@ class Child:
     def keys(self) -> tuple[str, ...]:
         """Return all keys, inputs first."""
         return tuple(dict.fromkeys((*self.content.input_keys, *self.content.output_keys)))
-
-    def level(self, outcome: str) -> str:
-        """Return the autonomy that an outcome needs."""
-        default = OFF if isinstance(self.content, StateUse) else INHERIT
-        level = self.autonomy.get(outcome, default)
-        return level if _LEVEL.fullmatch(level) else INHERIT
-
-
-@dataclass(frozen=True)
-class AppBehavior:
-    """A loaded behavior.
-
-    Attributes:
-        lost: complaints about what the App does not take from the file; it is gone once saved.
-    """
-
-    name: str
-    class_name: str
-    description: str
-    author: str
-    date: str
-    parameters: Mapping[str, str]
-    notes: str
-    private: Mapping[str, str]
-    userdata: Mapping[str, str]
-    manual: Mapping[str, str]
-    root: Container
-    lost: tuple[str, ...] = field(default=(), compare=False)
-
-
-def walk(container: Container, path: str = "") -> Iterator[tuple[str, Child]]:
-    """Yield all children with their paths, those of a container after it."""
-    for child in container.children:
-        inner = f"{path}/{child.label}"
-        yield inner, child
-        if isinstance(child.content, Container):
-            yield from walk(child.content, inner)
 
 
 # The states and behaviors that the App knows, and which of them a name means
@@ -464,15 +406,6 @@ class Known:
         found = [s for s in self.states if s.class_name == alias]
         covering = [s for s in found if _covers(s, used)] if len(found) > 1 else found
         return covering[0] if covering else None
-
-    def alias(self, state: StateDefinition) -> str:
-        """Return the name that the App gives to a state when it saves a behavior."""
-        is_unique = self._counts[state.class_name] == 1
-        return state.class_name if is_unique else f"{state.package}__{state.class_name}"
-
-    @cached_property
-    def _counts(self) -> Counter[str]:
-        return Counter(state.class_name for state in self.states)
 
 
 def _covers(state: StateDefinition, used: Collection[str]) -> bool:

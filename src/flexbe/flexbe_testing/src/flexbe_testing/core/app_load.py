@@ -8,7 +8,6 @@ from dataclasses import replace
 
 from flexbe_testing.core import app_behavior as cut
 from flexbe_testing.core.app_behavior import (
-    AppBehavior,
     AppLoadError,
     BehaviorDefinition,
     BehaviorUse,
@@ -24,46 +23,34 @@ _CLASS = re.compile(r"^\s*class\s+(\w+)\s*\((.*)\):", re.MULTILINE)
 _CREATED = re.compile(r"\n'''\nCreated on ([^'\n]*)\n@author: ([^'\n]*)\n'''\s*\nclass ")
 _DESCRIPTION = re.compile(r"^\s*class .*\n\s*'''([^']*)'''", re.MULTILINE)
 _NAME = re.compile(r"self\.name = ['\"]([^'\"\n]*)['\"][ \t]*$", re.MULTILINE)
-_PARAMETER = re.compile(r"self\.add_parameter\(['\"](\w+)['\"], (.*)\)[ \t]*$", re.MULTILINE)
 _IMPORT = re.compile(r"from [\w.]+ import \w+(?: as \w+)?")
 _CORE_IMPORT = "from flexbe_core import "
 _COMMENTS = "# Behavior comments:"
 _INIT, _CREATE = "def __init__(self):", "def create(self):"
 
 
-def load_behavior(text: str, known: Known) -> AppBehavior:
+def load_behavior(text: str, known: Known) -> tuple[Container, tuple[str, ...]]:
     """Return what the App makes of a behavior's file.
+
+    Returns:
+        its containers and states, and complaints about what the App does not take from the file:
+        it is gone once saved.
 
     Raises:
         AppLoadError: if the App cannot load it.
     """
-    manual = cut.manual_sections(text)
+    cut.manual_sections(text)
     read = cut.without_manual(text)
-    class_name = _class_name(read)
+    _class_name(read)
     for head in (_INIT, _CREATE):
         if read.count(head) != 1:
             raise AppLoadError(f"not exactly one '{head}'")
     init = cut.section(read, _INIT)
-    name = _NAME.search(init)
-    if name is None:
+    if _NAME.search(init) is None:
         raise AppLoadError("no self.name in quotes, free of quotes itself")
     lost = list(_lost_outside_create(text, read, init))
-    create = CreateSection(cut.section(read, _CREATE), known, lost)
-    created, description = _CREATED.search(read), _DESCRIPTION.search(read)
-    return AppBehavior(
-        name=name[1],
-        class_name=class_name,
-        description=description[1].strip() if description else "",
-        author=created[2] if created else "",
-        date=created[1] if created else "",
-        parameters=dict(_PARAMETER.findall(init)),
-        notes=_notes(init),
-        private=create.private(),
-        userdata=create.userdata(),
-        manual=manual,
-        root=create.root(),
-        lost=tuple(lost),
-    )
+    root = CreateSection(cut.section(read, _CREATE), known, lost).root()
+    return root, tuple(lost)
 
 
 def define_behavior(text: str, module: str) -> BehaviorDefinition:
@@ -83,7 +70,6 @@ def define_behavior(text: str, module: str) -> BehaviorDefinition:
         root.outcomes,
         input_keys=root.input_keys,
         output_keys=root.output_keys,
-        parameters=tuple(dict(_PARAMETER.findall(init))),
     )
 
 
@@ -92,11 +78,6 @@ def _class_name(read: str) -> str:
     if [bases for _name, bases in classes] != ["Behavior"]:
         raise AppLoadError("not exactly one class, with the base list (Behavior)")
     return str(classes[0][0])
-
-
-def _notes(init: str) -> str:
-    lines = (line.strip() for line in init.partition(_COMMENTS)[2].splitlines())
-    return "\n".join(line for line in lines if line)
 
 
 def _lost_outside_create(text: str, read: str, init: str) -> Iterator[str]:
@@ -133,7 +114,6 @@ _ADD = re.compile(
 )
 _WITH = re.compile(r"^[ \t]*with (\w+):", re.MULTILINE)
 _ASSIGNED = re.compile(r"^[ \t]*(\w+) = (.*)$", re.MULTILINE)
-_USERDATA = re.compile(r"^[ \t]*\w+\.userdata\.(\w+) = (.*)$", re.MULTILINE)
 _RETURNED = re.compile(r"^[ \t]+return (\w+)[ \t]*$", re.MULTILINE)
 _INTERNAL = re.compile(r"(\?\w+) = (\[[^\]]*\]|[^,]+)")
 _ESCAPED_QUOTE = re.compile(r"(?<!\\)(?:\\\\)*\\['\"]")
@@ -161,10 +141,6 @@ class CreateSection:
         """Return all variables that are not containers."""
         found = dict(_ASSIGNED.findall(self._text))
         return {name: value for name, value in found.items() if name not in self._definitions}
-
-    def userdata(self) -> dict[str, str]:
-        """Return the default userdata, of whatever container."""
-        return dict(_USERDATA.findall(self._text))
 
     def interface(self) -> Container:
         """Return the root without its content.
@@ -330,9 +306,8 @@ class CreateSection:
                 self._lost.append(
                     f"the App loses the remapping of '{key}' of '{inner}', which it does not have"
                 )
-        levels = {o: child.level(o) for o in child.content.outcomes}
         homes = {key: child.remapping.get(key, key) for key in child.keys}
-        return replace(child, transitions=kept, autonomy=levels, remapping=homes)
+        return replace(child, transitions=kept, remapping=homes)
 
 
 def _definition(found: re.Match[str]) -> Container:

@@ -295,7 +295,8 @@ def check_app(module: Module, known: Known) -> Iterator[Finding]:
     for found in module.classes:
         if found.kind is Kind.BEHAVIOR:
             try:
-                if lost := load_behavior(module.text, known).lost:
+                _, lost = load_behavior(module.text, known)
+                if lost:
                     text = f"the App would not keep all of it when it saves it: {'; '.join(lost)}"
                     yield module.finding(found.node, _RULE, Severity.NOTE, text)
             except AppLoadError as error:
