@@ -87,3 +87,8 @@ def test_a_jump_does_not_count(jump_s):
 def test_a_jump_of_a_clock_that_was_stopped_does_not_count():
     stopped = [(50.0, 0.1 * n) for n in range(100)]
     assert elapsed([*stopped, (150.0, 10.0), (150.1, 10.1)]) == pytest.approx(0.1)
+
+
+def test_a_limit_beyond_all_numbers_is_refused():
+    with pytest.raises(TableError, match="needed: a number above 0"):
+        limits_of("InsertCable", {"force_limit": 10**400})

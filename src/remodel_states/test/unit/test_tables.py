@@ -1,6 +1,8 @@
 """The tables of abilities, error codes and faults, and which abilities a node serves."""
 
+import ast
 import copy
+import os
 from pathlib import Path
 
 import pytest
@@ -8,7 +10,13 @@ import yaml
 
 from remodel_states.core.state_source import module_name, state_source
 from remodel_states.core.tables import TableError, abilities_from, action_from, chosen_abilities
-from remodel_states.edge.exported_tables import abilities_in, faults_from
+from remodel_states.edge.exported_tables import (
+    abilities_in,
+    exporting_packages,
+    faults_from,
+    read_actions,
+    read_cell_limits,
+)
 
 MSGS = Path(__file__).parents[3] / "remodel_msgs"
 CODES = ("FERRULE_MISSING",)
@@ -75,6 +83,25 @@ def test_its_state_sends_every_field_and_writes_the_outputs():
     assert module_name("CrimpFerrule") == "crimp_ferrule_state"
 
 
+def test_comments_may_have_quotes_and_backslashes():
+    means = 'It is """in""", or \\N near.'
+    found, problems = abilities(CrimpFerrule=row(means=means))
+    assert not problems
+    state = ast.parse(state_source(found["CrimpFerrule"])).body[-1]
+    assert "It is '''in''', or \\N near." in ast.get_docstring(state)
+
+
+def test_a_default_may_have_quotes_and_backslashes():
+    parameters = {"ferrule_id": 'a "b" \\ ö', "force": 800.0, "jaw": {"field": "jaw_pose"}}
+    found, problems = abilities(CrimpFerrule=row(inputs=["marks"], parameters=parameters))
+    assert not problems
+    source = state_source(found["CrimpFerrule"])
+    (constructor,) = [
+        n for n in ast.walk(ast.parse(source)) if getattr(n, "name", "") == "__init__"
+    ]
+    assert 'a "b" \\ ö' in [ast.literal_eval(default) for default in constructor.args.defaults]
+
+
 @pytest.mark.parametrize(
     ("changes", "problem"),
     [
@@ -89,6 +116,17 @@ def test_its_state_sends_every_field_and_writes_the_outputs():
             {"inputs": ["ferrule_id"], "parameters": {"marks": None}},
             "state.parameters: marks is of type geometry_msgs/Point[]; allowed: string, bool",
         ),
+        ({"parameters": {"topic": {"field": "force"}}}, "state.parameters: topic cannot be a name"),
+        ({"parameters": {"two words": {"field": "force"}}}, "state.parameters: two words cannot"),
+        ({"parameters": {"class": {"field": "force"}}}, "state.parameters: class cannot be"),
+        ({"parameters": {1: {"field": "force"}}}, "state.parameters: 1 cannot be a name"),
+        ({"outputs": {"class": "height"}}, "state.outputs: class cannot be a name in the state's"),
+        ({"outputs": {"error_code": "height"}}, "state.outputs: error_code cannot be a name"),
+        (
+            {"parameters": {"force": "fast"}},
+            "state.parameters: the default of force is 'fast'; allowed: a value of type float",
+        ),
+        ({"parameters": {"force": True}}, "state.parameters: the default of force is True"),
     ],
 )
 def test_a_row_that_does_not_fit_its_action_is_reported(changes, problem):
@@ -115,6 +153,41 @@ def test_a_table_of_another_form_is_reported(tmp_path):
         "abilities.CrimpFerrule: found colour; missing: errors",
         "abilities.CrimpFerrule.colour: found 'red'; allowed: text that matches ^#[0-9a-f]{6}$",
     )
+
+
+@pytest.mark.parametrize(
+    ("text", "problem"),
+    [
+        (b"abilities: {} # \xe9", "can't decode byte 0xe9"),
+        (b"abilities: 2020-99-99", "month must be in 1..12"),
+        (b"abilities: {CrimpFerrule: {1: 2}}", "found 1; missing: errors"),
+    ],
+)
+def test_a_table_that_cannot_be_read_is_reported(tmp_path, text, problem):
+    file = tmp_path / "abilities.yaml"
+    file.write_bytes(text)
+    with pytest.raises(TableError) as error:
+        abilities_in("crimping", file, tmp_path, CODES, contract=MSGS)
+    assert problem in str(error.value)
+
+
+def test_an_action_that_cannot_be_read_is_reported(tmp_path):
+    (tmp_path / "action").mkdir()
+    (tmp_path / "action/Crimp.action").write_bytes(b"\xff")
+    with pytest.raises(TableError, match=r"Crimp\.action: 1 problem"):
+        read_actions(tmp_path)
+
+
+def test_a_cell_of_an_endless_name_is_none():
+    with pytest.raises(TableError, match="no such cell or file"):
+        read_cell_limits("x" * 300)
+
+
+def test_packages_without_a_package_xml_export_nothing(tmp_path, monkeypatch):
+    (tmp_path / "old").mkdir()
+    (tmp_path / "old/manifest.xml").write_text("<package/>")
+    monkeypatch.setenv("ROS_PACKAGE_PATH", f"{os.environ['ROS_PACKAGE_PATH']}:{tmp_path}")
+    assert "old" not in exporting_packages()
 
 
 def test_each_fault_is_caused_by_an_ability_that_reports_its_code():

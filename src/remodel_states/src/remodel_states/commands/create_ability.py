@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -30,7 +31,7 @@ def main(words: Sequence[str]) -> int:
     """Create the package; return the exit code."""
     options = _arguments(words)
     ability, package = options.ability, options.package or snake_case(options.ability)
-    folder = Path(options.into).resolve() / package
+    folder = Path(os.path.realpath(options.into)) / package
     try:
         problems = [*name_problems(ability, package), *_taken(ability, package, folder)]
         if problems:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -19,7 +20,7 @@ def main(words: Sequence[str]) -> int:
     parser.add_argument("--check", action="store_true", help="change nothing; exit with 1 if stale")
     options = parser.parse_args(list(words))
     try:
-        stale = write_states(Path(options.folder).resolve(), options.check)
+        stale = write_states(Path(os.path.realpath(options.folder)), options.check)
     except (TableError, OSError) as error:
         sys.stderr.write(f"generate_states: {error}\n")
         return 1
@@ -37,7 +38,8 @@ def write_states(folder: Path, only_check: bool = False) -> list[Path]:
     package, abilities = read_abilities_of(folder)
     modules = folder / "src" / package
     files = {modules / name: text for name, text in state_modules(abilities.values()).items()}
-    stale = [file for file, text in files.items() if not file.is_file() or file.read_text() != text]
+    written = {file: text.encode() for file, text in files.items()}
+    stale = [f for f, text in written.items() if not f.is_file() or f.read_bytes() != text]
     for file in stale if not only_check else []:
-        file.write_text(files[file], encoding="utf-8")
+        file.write_bytes(written[file])
     return stale

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+import sys
 from collections.abc import Callable, Mapping
 
 from remodel_states.core.tables import TableError
@@ -78,7 +79,7 @@ def limits_of(ability: str, document: object) -> dict[str, float]:
         *((f"{ability}.{name}", name, value) for name, value in own.items()),
     ):
         is_number = isinstance(value, int | float) and not isinstance(value, bool)
-        if not is_number or not 0 < value < math.inf:
+        if not is_number or not 0 < value <= sys.float_info.max:
             raise TableError(SOURCE, [f"{where}: {value!r} found; needed: a number above 0"])
         found[name] = min(float(value), found.get(name, math.inf))
     return found

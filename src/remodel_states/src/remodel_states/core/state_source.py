@@ -6,6 +6,7 @@ App's grammar, and all arguments of the constructor are on the line of its `def`
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Iterable, Mapping, Sequence
 
@@ -102,9 +103,9 @@ def _docstring(ability: Ability, state: AbilityState) -> str:
     writes = ", ".join(state.outputs) or "nothing"
     body = "".join(f"    {line}\n" if line else "\n" for line in lines)
     done = f"    <= {state.outcome}  [writes {writes}] {state.means}\n"
-    return (
-        f'    """{_text(ability.action.title)}\n\n{body}{_ERRORS}\n{done}{_FAILURES}\n    """\n\n'
-    )
+    text = f"{_text(ability.action.title)}\n\n{body}{_ERRORS}\n{done}{_FAILURES}\n    "
+    plain = text.replace("\\", "\\\\").replace('"""', "'''")
+    return f'    """{plain}"""\n\n'
 
 
 def _parameter_text(parameter: Parameter) -> str:
@@ -162,7 +163,7 @@ def _list(keyword: str, items: Sequence[str]) -> str:
 
 
 def _literal(value: object) -> str:
-    return f'"{value}"' if isinstance(value, str) else repr(value)
+    return json.dumps(value, ensure_ascii=False) if isinstance(value, str) else repr(value)
 
 
 def _wrapped(head: str, arguments: Sequence[str]) -> str:

@@ -6,6 +6,7 @@ faults.schema.json, beside them, are their forms.
 
 from __future__ import annotations
 
+import keyword
 import math
 import re
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
@@ -68,7 +69,7 @@ def _explanation(error: jsonschema.ValidationError) -> str:
     found, rule = error.instance, error.validator_value
     if error.validator == "required":
         missing = ", ".join(name for name in rule if name not in found)
-        return f"found {', '.join(found) or 'nothing'}; missing: {missing}"
+        return f"found {', '.join(map(str, found)) or 'nothing'}; missing: {missing}"
     if error.validator == "additionalProperties":
         allowed = error.schema["properties"]
         unknown = ", ".join(str(name) for name in found if name not in allowed)
@@ -200,6 +201,13 @@ def _repeated(codes: Sequence[ListedCode], rows: Sequence[Row]) -> Iterable[str]
 
 # Types of goal fields that a parameter of a state can give: ROS type -> type in the docstring.
 PLAIN_TYPES = {"string": "string", "bool": "bool", "float64": "float", "uint8": "int"}
+_DEFAULTS = {"string": (str,), "bool": (bool,), "float64": (int, float), "uint8": (int,)}
+# Arguments of a state's constructor, and what the state keeps besides its parameters.
+_PARAMETERS_TAKEN = (
+    *("self", "timeout_s", "topic", "call", "execute", "input_keys", "is_controlled", "name"),
+    *("outcomes", "output_keys", "own_userdata", "parent", "rate"),
+)
+_OUTPUTS_TAKEN = ("error_code", "error_message")
 POSE = "geometry_msgs/PoseStamped"
 POSES = f"{POSE}[]"
 
@@ -343,6 +351,8 @@ def _state_mistakes(row: Mapping[str, Any], action: Action, results: list[str]) 
     yield from _unknown("state.inputs", row.get("inputs", []), goal, "goal")
     yield from _unknown("state.parameters", given, goal, "goal")
     yield from _unknown("state.outputs", row.get("outputs", {}).values(), results, "result")
+    yield from _unusable("parameters", _parameter_fields(row), _PARAMETERS_TAKEN)
+    yield from _unusable("outputs", row.get("outputs", {}), _OUTPUTS_TAKEN)
     used = [*row.get("inputs", []), *given]
     for name in goal:
         if (times := used.count(name)) != 1:
@@ -351,6 +361,23 @@ def _state_mistakes(row: Mapping[str, Any], action: Action, results: list[str]) 
         if name in goal and goal[name].type not in (*PLAIN_TYPES, POSE, POSES):
             types = ", ".join((*PLAIN_TYPES, POSE, POSES))
             yield f"state.parameters: {name} is of type {goal[name].type}; allowed: {types}"
+    for name, (field_name, default) in _parameter_fields(row).items():
+        kind = goal[field_name].type if field_name in goal else ""
+        if default is not None and kind in _DEFAULTS and type(default) not in _DEFAULTS[kind]:
+            yield (
+                f"state.parameters: the default of {name} is {default!r}; allowed: a value of type "
+                f"{PLAIN_TYPES[kind]}"
+            )
+
+
+def _unusable(place: str, names: Iterable[str], taken: Collection[str]) -> Iterator[str]:
+    """Yield what is wrong with names that the source of a state is to have."""
+    for name in names:
+        if not str(name).isidentifier() or keyword.iskeyword(name) or name in taken:
+            yield (
+                f"state.{place}: {name} cannot be a name in the state's source; allowed: Python "
+                f"names but {', '.join(taken)}"
+            )
 
 
 def _unknown(

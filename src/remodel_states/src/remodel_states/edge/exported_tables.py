@@ -16,9 +16,10 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
+from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 from xml.etree import ElementTree
 
 import rospkg
@@ -39,6 +40,8 @@ from remodel_states.core.tables import (
 from remodel_states.core.wires import MaterialError, WireMaterials, materials_from
 
 EXPORT = "remodel_states"
+
+_Content = TypeVar("_Content")
 
 
 def read_faults() -> FaultTables:
@@ -123,7 +126,8 @@ def _exported(folders: Mapping[str, Path], table: str) -> dict[str, Path]:
 
 def _export(folder: Path) -> Mapping[str, str] | None:
     """Return what a package exports; None if it exports no tables."""
-    if EXPORT.encode() not in (folder / "package.xml").read_bytes():
+    file = folder / "package.xml"  # a package of rosbuild has none
+    if not file.is_file() or EXPORT.encode() not in file.read_bytes():
         return None
     elements = _manifest(folder).findall(f"export/{EXPORT}")
     return {key: path for element in elements for key, path in element.items()} or None
@@ -141,7 +145,7 @@ def _manifest(folder: Path) -> ElementTree.Element:
     except OSError as error:
         problem = f"{error.strerror}; give the folder of a package"
         raise TableError(str(file), [problem]) from error
-    except ElementTree.ParseError as error:
+    except (ElementTree.ParseError, LookupError) as error:  # an unknown encoding
         raise TableError(str(file), [f"it is not XML: {error}"]) from error
 
 
@@ -206,9 +210,13 @@ def abilities_in(
 
 
 def read_actions(folder: Path) -> dict[str, Action]:
-    """Return the actions of a package, by name."""
+    """Return the actions of a package, by name.
+
+    Raises:
+        TableError: if a file cannot be read.
+    """
     files = sorted((folder / "action").glob("*.action"))
-    return {file.stem: action_from(file.stem, file.read_text(encoding="utf-8")) for file in files}
+    return {file.stem: _parsed(file, partial(action_from, file.stem)) for file in files}
 
 
 def read_table(file: Path, schema: Path, sections: Sequence[str]) -> dict[str, Any]:
@@ -217,10 +225,7 @@ def read_table(file: Path, schema: Path, sections: Sequence[str]) -> dict[str, A
     Raises:
         TableError: with each problem.
     """
-    try:
-        parsed = yaml.load(file.read_text(encoding="utf-8"), Loader=_LOADER)
-    except (OSError, yaml.YAMLError) as error:
-        raise TableError(str(file), [str(error)]) from error
+    parsed = _parsed(file, _parse_yaml)
     form = json.loads(schema.read_text(encoding="utf-8"))
     problems = [*schema_problems(parsed, _ANY_TABLE)]
     if not problems:
@@ -229,6 +234,21 @@ def read_table(file: Path, schema: Path, sections: Sequence[str]) -> dict[str, A
     if problems:
         raise TableError(str(file), problems)
     return parsed
+
+
+_parse_yaml: Callable[[str], Any] = partial(yaml.load, Loader=_LOADER)
+
+
+def _parsed(file: Path, parse: Callable[[str], _Content]) -> _Content:
+    """Return what a text in UTF-8 holds.
+
+    Raises:
+        TableError: if it cannot be read or parsed.
+    """
+    try:
+        return parse(file.read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError, yaml.YAMLError) as error:
+        raise TableError(str(file), [str(error)]) from error
 
 
 # Wire materials, and what cells take
@@ -255,8 +275,8 @@ def read_wire_materials() -> WireMaterials:
 
 def _read_materials(file: Path) -> WireMaterials:
     try:
-        return materials_from(yaml.load(file.read_text(encoding="utf-8"), Loader=_LOADER))
-    except (OSError, UnicodeDecodeError, yaml.YAMLError, MaterialError) as error:
+        return materials_from(_parse_yaml(file.read_text(encoding="utf-8")))
+    except (OSError, ValueError, yaml.YAMLError) as error:
         raise MaterialError(f"{file}: {error}") from error
 
 
@@ -280,14 +300,11 @@ def read_cell_limits(cell: str) -> CellLimits:
     """
     known = {} if cell.endswith((".yaml", ".yml")) else _cell_files()
     file = known.get(cell, Path(cell))
-    if not file.is_file():
+    if not os.path.isfile(file):  # unlike Path.is_file, no error for names that are too long
         there_are = ", ".join(sorted(known or _cell_files()))
         problem = f"no such cell or file; there are: {there_are}, or the path of a .yaml file"
         raise TableError(cell, [problem])
-    try:
-        parsed = yaml.safe_load(file.read_text(encoding="utf-8"))
-    except (OSError, ValueError, yaml.YAMLError) as error:
-        raise TableError(str(file), [str(error)]) from error
+    parsed = _parsed(file, _parse_yaml)
     problems = list(schema_problems(parsed, _CELL_FORM))
     if problems:
         raise TableError(str(file), problems)
