@@ -175,7 +175,10 @@ class AbilityServer:
 
     def finish(self, running: RunningGoal, end: Callable[[], None]) -> None:
         """Forget a goal and end it by a call of its `succeed` or `fail`."""
-        self._running = {key: other for key, other in self._running.items() if other is not running}
+        # In place, since another goal may be taken in another thread.
+        for key, other in [*self._running.items()]:
+            if other is running:
+                self._running.pop(key, None)
         end()
 
     def elapsed(self) -> Callable[[], float] | None:
@@ -201,8 +204,10 @@ class AbilityServer:
             self._refuse(handle, ErrorCode.INTERNAL, f"{type(error).__name__}: {error}")
             return
         running = RunningGoal(self.ability, handle, self.elapsed())
-        self._running = {**self._running, handle.get_goal_id().id: running}
+        self._running[handle.get_goal_id().id] = running
         handle.set_accepted()
+        if handle.get_goal_status().status == GoalStatus.PREEMPTING:
+            self.cancel(running)  # a client cancelled it before it was known
         self.start(running, prepared)
 
     def _on_cancel(self, handle: ServerGoalHandle) -> None:
@@ -220,6 +225,8 @@ class AbilityServer:
         """Do a goal, and return how it ends."""
         try:
             done = self.perform(running)
+            if unknown := done.found.keys() - set(self._result.__slots__):
+                raise AttributeError(f"the result has no field {', '.join(sorted(unknown))}")
         except AbilityError as error:
             failure = error
         except Exception as error:  # noqa: BLE001 - a goal must end whatever happens

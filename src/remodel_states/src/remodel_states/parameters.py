@@ -28,7 +28,8 @@ def panel_pose(numbers: Sequence[float]) -> PoseStamped:
     Raises:
         ValueError: if there are not four finite numbers.
     """
-    if len(numbers) != 4 or not all(math.isfinite(number) for number in numbers):
+    is_list = isinstance(numbers, list | tuple) and len(numbers) == 4
+    if not is_list or not all(isinstance(n, int | float) and math.isfinite(n) for n in numbers):
         raise ValueError(f"a pose is [x, y, z, yaw] in finite numbers, found {numbers!r}")
     x, y, z, yaw = numbers
     pose = PoseStamped()

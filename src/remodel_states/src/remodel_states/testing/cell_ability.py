@@ -19,7 +19,6 @@ from typing import Any
 
 import rospy
 from genpy import Message
-from geometry_msgs.msg import Point, Pose, PoseStamped, Quaternion
 from remodel_msgs import msg as remodel_msgs
 from remodel_msgs.msg import CableObservation, ErrorCode, WireTruth
 
@@ -28,6 +27,7 @@ from remodel_states.core.ability_error import AbilityError
 from remodel_states.core.contract import owner_of
 from remodel_states.core.tables import Ability, chosen_abilities
 from remodel_states.edge.exported_tables import read_abilities
+from remodel_states.parameters import panel_pose
 from remodel_states.serving import Robot, RunningGoal, StoppedError, admitted
 from remodel_states.testing.faults import Behaves, InjectedFault, at_goal
 from remodel_states.testing.operations import Effect, operation_of, perform
@@ -244,7 +244,9 @@ def result_fields(found: Mapping[str, Any]) -> dict[str, Any]:
     fields = dict(found)
     if "observation" in fields:
         fields["observation"] = _observation(*fields["observation"])
-    return {n: _pose(value) if isinstance(value, tuple) else value for n, value in fields.items()}
+    return {
+        n: panel_pose(value) if isinstance(value, tuple) else value for n, value in fields.items()
+    }
 
 
 def truth_of(world: World, wire: str) -> WireTruth:
@@ -270,7 +272,7 @@ def _opening(component: Place, terminal: remodel_msgs.Terminal) -> Place:
 
 
 def _observation(cable_id: str, length_m: float, loose_ends: int) -> CableObservation:
-    tips = [_pose((0.0, 0.0, 0.0, 0.0)) for _ in range(loose_ends)]
+    tips = [panel_pose((0.0, 0.0, 0.0, 0.0)) for _ in range(loose_ends)]
     return CableObservation(
         cable_id=cable_id,
         centreline=[],
@@ -279,14 +281,6 @@ def _observation(cable_id: str, length_m: float, loose_ends: int) -> CableObserv
         confidence=1.0,
         truncated=False,
     )
-
-
-def _pose(place: Place) -> PoseStamped:
-    x, y, z, yaw = place
-    pose = PoseStamped(pose=Pose(Point(x, y, z), Quaternion(0, 0, math.sin(yaw / 2), 0)))
-    pose.pose.orientation.w = math.cos(yaw / 2)
-    pose.header.frame_id = "panel"
-    return pose
 
 
 # One goal at a time for a robot whose abilities are served by several processes
@@ -395,6 +389,11 @@ def _reason(code: int) -> str:
     return f"scripted to answer error {code}"
 
 
+def _are_codes(given: object) -> bool:
+    """Return whether these are numbers of error codes, at least one."""
+    return isinstance(given, list) and given != [] and all(type(code) is int for code in given)
+
+
 def serve_all(
     codes: dict[str, list[int]], abilities: object = "", others: object = ""
 ) -> list[FakeAbility]:
@@ -409,6 +408,9 @@ def serve_all(
         ValueError: if one of them names no ability.
     """
     rows = read_abilities()
+    if not isinstance(codes, dict) or not all(map(_are_codes, codes.values())):
+        example = "{InsertCable: [301, 0]}"
+        raise ValueError(f"codes are {codes!r}; allowed: numbers by abilities, such as {example}")
     unknown = sorted(set(codes) - set(rows))
     if unknown:
         raise ValueError(f"no such ability: {', '.join(unknown)}; there are {', '.join(rows)}")

@@ -138,10 +138,10 @@ class CellServices:
             text = f"values are {tuple(request.values)}; allowed, in this order: {_VALUES}"
             return srv.InjectFaultResponse(False, text)
         given: dict[str, Any] = dict(zip(_VALUES, request.values, strict=False))
-        given.update({name: int(given[name]) for name in ("nth", "times") if name in given})
         try:
+            given.update({name: int(given[name]) for name in ("nth", "times") if name in given})
             fault = self._table.fault(request.kind, cure, wire=wire, **given)
-        except ValueError as error:
+        except (ValueError, OverflowError) as error:
             return srv.InjectFaultResponse(False, str(error))
         with self._site.file.change() as draft:
             draft.faults = (*draft.faults, fault)
