@@ -4,7 +4,7 @@ import pytest
 from remodel_msgs.msg import DetectCableAction, PlaceCableGoal, PlaceCableResult
 
 from remodel_states.conformance.clauses import CANCEL
-from remodel_states.conformance.probe import GoalError, action_class
+from remodel_states.conformance.probe import GoalError, action_class, read_goal
 from remodel_states.conformance.rules import Exchange, Result
 from remodel_states.conformance.trial import Trials
 
@@ -34,6 +34,28 @@ def test_a_package_that_cannot_be_imported_is_named(tmp_path, monkeypatch, sourc
     monkeypatch.syspath_prepend(tmp_path)
     with pytest.raises(GoalError, match=f"cannot load {package}/GraspAction: {found}"):
         action_class(f"{package}/Grasp")
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "{timeout: abc}",
+        "{timeout: 2020-99-99}",
+        "{id: 5}",
+        "{robot_name: [1]}",
+        "{robot_name: {a: 1}}",
+        "{target_pose: {pose: {position: {x: ~}}}}",
+    ],
+)
+def test_a_goal_with_a_value_of_another_type_is_refused(text):
+    with pytest.raises(GoalError, match=r"does not fit|cannot read the goal"):
+        read_goal(action_class("PlaceCable"), text)
+
+
+def test_a_goal_may_have_names_in_any_script():
+    assert (
+        read_goal(action_class("PlaceCable"), "{cable_id: Größe, timeout: 3}").cable_id == "Größe"
+    )
 
 
 BEGINS_AT_S = 1.0
@@ -76,3 +98,16 @@ def test_a_goal_is_cancelled_only_when_the_server_works_on_it():
     trials._nominal_s = 0.6
     trial = trials._cancel()
     assert (trial.name, trial.faults, trial.unjudged) == (CANCEL.name, (), "")
+
+
+@pytest.mark.parametrize(
+    ("command", "problem"),
+    [
+        ("sleep 3 &", ""),  # as one that starts a server
+        ("echo no arm >&2; exit 3", "the command failed with 3: no arm"),
+        ("exec sleep 3", "the command did not end within 1 s"),
+    ],
+)
+def test_a_restart_ends_with_its_command(command, problem):
+    trials = Trials(SlowMachine(), PlaceCableGoal(id="good", timeout=3.0), {0}, command, 1.0)
+    assert trials._restart_problem() == problem

@@ -7,6 +7,7 @@ second result.
 from __future__ import annotations
 
 import copy
+import io
 import itertools
 import math
 import threading
@@ -284,7 +285,7 @@ def read_goal(action_type: type[Message], text: str) -> Any:  # noqa: ANN401 - a
     is_file = text.endswith((".yaml", ".yml"))
     try:
         fields = yaml.safe_load(Path(text).read_text(encoding="utf-8") if is_file else text)
-    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
+    except (OSError, ValueError, yaml.YAMLError) as error:
         raise GoalError(f"cannot read the goal: {error}") from error
     if not isinstance(fields, dict):
         raise GoalError(f"a goal is a YAML mapping such as '{{cable_id: W1}}', found {text!r}")
@@ -297,6 +298,7 @@ def read_goal(action_type: type[Message], text: str) -> Any:  # noqa: ANN401 - a
         )
     try:
         genpy.message.fill_message_args(goal, [{"id": ID, "timeout": TIMEOUT_S, **fields}])
-    except (genpy.MessageException, ValueError, TypeError) as error:
+        goal.serialize(io.BytesIO())  # which checks the types
+    except (genpy.MessageException, ValueError, TypeError, AttributeError) as error:
         raise GoalError(f"the goal does not fit {action_type._type}: {error}") from error
     return goal

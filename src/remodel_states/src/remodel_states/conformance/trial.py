@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import json
 import subprocess
+import tempfile
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import asdict, dataclass
 
@@ -279,18 +280,25 @@ class Trials:
             yield Trial(OLD_GOAL.name)
 
     def _restart_problem(self) -> str:
-        """Restart the server; return why that was not possible, empty if it was."""
-        try:
-            done = subprocess.run(
-                self._restart,
-                shell=True,
-                check=False,
-                timeout=self._restart_limit_s,
-                capture_output=True,
-            )
-        except subprocess.TimeoutExpired:
-            return f"the command did not end within {self._restart_limit_s:g} s"
-        text = done.stderr.decode(errors="replace").strip()
+        """Restart the server; return why that was not possible, empty if it was.
+
+        The command may leave the server behind, which keeps what the command writes to open: so
+        that is no pipe.
+        """
+        with tempfile.TemporaryFile() as errors:
+            try:
+                done = subprocess.run(
+                    self._restart,
+                    shell=True,
+                    check=False,
+                    timeout=self._restart_limit_s,
+                    stdout=subprocess.DEVNULL,
+                    stderr=errors,
+                )
+            except subprocess.TimeoutExpired:
+                return f"the command did not end within {self._restart_limit_s:g} s"
+            errors.seek(0)
+            text = errors.read().decode(errors="replace").strip()
         return f"the command failed with {done.returncode}: {text}" if done.returncode else ""
 
     def _send(self, goal: Message | None = None, timeout: float | None = None) -> Exchange:
