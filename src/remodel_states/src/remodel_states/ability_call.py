@@ -45,14 +45,12 @@ from remodel_msgs.srv import BeginOperationRequest
 from flexbe_core import EventState
 from flexbe_core.core import UserData
 from remodel_states.core.contract import GRACE_S, RosStopwatch
+from remodel_states.core.tables import COMMON_RESULT
 from remodel_states.line import Keeping, Permit, described, line, owned_id
 
 # [Hz] of polling: FlexBE's default, and while the supervisor is asked, which takes milliseconds.
 _RATE_HZ = 10.0
 _ASKING_RATE_HZ = 250.0
-
-# What every result has; the rest is what the ability found out.
-_COMMON = frozenset({"id", "success", "message", "elapsed_time", "error_code", "error_message"})
 
 COMMAND_ERROR = "command_error"
 FAILED = "failed"
@@ -285,8 +283,8 @@ class AbilityCall:
             message=getattr(self.result, "message", ""),
             error_message=self.error_message,
             elapsed_time=self._stopwatch.read(),
-            parameters=described(self._goal, frozenset({"id"})),
-            measurements=described(self.result, _COMMON) if self.result else [],
+            parameters=described(self._goal, ("id",)),
+            measurements=described(self.result, COMMON_RESULT) if self.result else [],
         )
 
     def _warn(self, request: Permit | Keeping) -> None:

@@ -21,7 +21,7 @@ from __future__ import annotations
 import queue
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from functools import cache
 from typing import Any, Protocol
@@ -403,7 +403,7 @@ def by_line(other: Line) -> Iterator[None]:
 # Messages as the "name=value" texts of an ability record
 
 
-def described(message: Message, left_out: frozenset[str]) -> list[str]:
+def described(message: Message, left_out: Collection[str]) -> list[str]:
     """Return the numbers, truth values, texts and poses of a message as "name=value"."""
     fields = {name: getattr(message, name) for name in message.__slots__ if name not in left_out}
     texts = {name: _text(value) for name, value in fields.items()}
