@@ -206,9 +206,9 @@ class AbilityServer:
         running = RunningGoal(self.ability, handle, self.elapsed())
         self._running[handle.get_goal_id().id] = running
         handle.set_accepted()
-        if handle.get_goal_status().status == GoalStatus.PREEMPTING:
-            self.cancel(running)  # a client cancelled it before it was known
         self.start(running, prepared)
+        if handle.get_goal_status().status == GoalStatus.PREEMPTING:
+            self._on_cancel(handle)  # a client cancelled it before it was known
 
     def _on_cancel(self, handle: ServerGoalHandle) -> None:
         running = self._running.get(handle.get_goal_id().id)
