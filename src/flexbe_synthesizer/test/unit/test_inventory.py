@@ -116,6 +116,43 @@ def test_a_change_is_seen_at_once(packages, change):
     assert read_inventory(str(packages)) is read_inventory(str(packages))
 
 
+_NAMED = "<package><name>{}</name><export><flexbe_states/><flexbe_behaviors/></export></package>"
+
+
+@pytest.mark.parametrize(
+    ("file", "text", "warning"),
+    [
+        ("package.xml", '<?xml version="1.0" encoding="x"?><package/>', "unknown encoding: x"),
+        ("package.xml", _NAMED.format("a.b"), "names no package: 'a.b'"),
+        ("package.xml", _NAMED.format("__main__"), "names no package: '__main__'"),
+        ("package.xml", _NAMED.format(""), "names no package: ''"),
+        ("config/faults.yaml", "[" * 3000, "its error codes are left out"),
+        ("config/faults.yaml", "faults: [{codes: 301}]", "'codes' is 301; allowed: a list"),
+        (
+            "src/cell_states/pause_state.py",
+            f"x = {'-' * 100_000}1  # (EventState)",
+            "nested too deeply; its state is left out",
+        ),
+    ],
+)
+def test_a_file_that_cannot_be_read_costs_a_warning_and_nothing_else(packages, file, text, warning):
+    (packages / _STATES / file).write_text(text)
+    found = read_inventory(str(packages))
+    assert warning in "\n".join(found.warnings)
+    assert "flexbe_states" in {package.name for package in found.packages}
+
+
+def test_links_in_circles_end(tmp_path, packages):
+    for name in ("back", "again"):
+        (packages / name).symlink_to(packages)
+        (packages / f"round_{name}").symlink_to(tmp_path)
+    lost = tmp_path / "lost"
+    lost.symlink_to(lost)
+    found = read_inventory(f"{lost}:{packages}")
+    assert found.packages
+    assert not found.warnings
+
+
 def test_a_package_that_appears_on_the_path_is_seen(tmp_path, package_path):
     late = tmp_path / "late"
     assert not read_inventory(str(late)).packages

@@ -10,6 +10,7 @@ from synthesizer_support.rendering import rendered
 from flexbe_synthesizer.core.chart.chart_reader import parse_chart
 from flexbe_synthesizer.core.chart.chart_rewriter import rewrite_chart
 from flexbe_synthesizer.core.chart.chart_writer import write_chart
+from flexbe_synthesizer.core.chart.model import Container, walk_nodes
 from flexbe_synthesizer.core.check.check import check_chart
 from flexbe_synthesizer.core.compile import compile_chart, manifest_of
 from flexbe_synthesizer.core.library.sources import write_manifest
@@ -124,6 +125,8 @@ INSERT = "InsertCableState(force_limit_n=20)"
         ("add('Locate',", "add('Lo' 'cate' + '',", "the label of a state is no literal"),
         ("conditions=[", "conditions=['x', ", "a condition that is not"),
         ("_sm_fix_0,", "_state_machine,", "a container that it lies in itself"),
+        ("        with _sm_fix_0:", "        with _sm_fix:", "_sm_fix_0 is a container without"),
+        (INSERT, "self.use_behavior()", "which is not found"),
     ],
 )
 def test_what_a_chart_cannot_express_is_reported_with_its_place(
@@ -135,6 +138,28 @@ def test_what_a_chart_cannot_express_is_reported_with_its_place(
         read_back(text.replace(old, new, 1))
     assert reason in str(caught.value)
     assert all(line.startswith("a_sm.py:") for line in caught.value.reasons)
+
+
+@pytest.mark.parametrize(
+    ("pattern", "new", "kept"),
+    [
+        (r"conditions=\[[^]]*\[[^=]*\n +\]\)", "conditions=[])", "Fix/timer"),
+        (r"transitions=\{'done': 'timed_out'\}", "transitions={}", "Fix/timer"),
+        (r", 'timed_out': 'Extract'", "", "Fix/timer"),
+        (r", 'exhausted': 'failed'", "", "Locate_attempts"),
+        (r"'attempt': 'locate_attempts'", "", "Locate_attempts"),
+    ],
+)
+def test_what_lacks_a_part_of_a_timer_or_a_counter_stays_as_it_is(
+    pattern, new, kept, golden, read_back
+):
+    text, changes = re.subn(pattern, new, text_of(golden, "place_connector"), count=1)
+    assert changes == 1
+    chart = read_back(text)
+    bodies = {node.id: node.body for node in walk_nodes(chart) if isinstance(node, Container)}
+    ids = {node.id for node in chart.nodes}
+    ids |= {f"{name}/{node.id}" for name, body in bodies.items() for node in body.nodes}
+    assert kept in ids
 
 
 def test_transitions_may_be_given_by_position(golden, read_back):

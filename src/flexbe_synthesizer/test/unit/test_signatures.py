@@ -217,12 +217,37 @@ def test_a_behavior_is_read_as_the_app_writes_it():
         ("sm = make()\nreturn sm", "does not assign a container"),
         ("sm = OperatableStateMachine(outcomes=x)\nreturn sm", "malformed"),
         ("sm = (", "never closed"),
+        ("sm = OperatableStateMachine(outcomes=5)\nreturn sm", "5 is no list of names"),
+        ("sm = OperatableStateMachine(outcomes={[]: 1})\nreturn sm", "unhashable"),
+        ("x = " + "-" * 100_000 + "1", "nested too deeply"),
     ],
 )
 def test_a_behavior_that_cannot_be_read_from_text_is_kept_with_the_reason(create, reason):
     found = behavior(create)
     assert isinstance(found, Unreadable)
     assert reason in found.reason
+
+
+@pytest.mark.parametrize("module", ["pick-cable_state", "deep.class.a_state", "2nd_state"])
+def test_what_python_cannot_import_is_kept_with_the_reason(module):
+    text = "class S(EventState):\n def __init__(self):\n  super().__init__(outcomes=['done'])\n"
+    found = read_state_class(text, "pkg", f"pkg.{module}")
+    assert f"Python cannot import its module pkg.{module}" in found.reason
+    manifest = Manifest("Clean", "pkg", module, "CleanSM")
+    assert "Python cannot import" in read_behavior_class("class CleanSM: pass", manifest).reason
+
+
+def test_a_parameter_that_is_not_named_first_is_reported():
+    create = "sm = OperatableStateMachine(outcomes=['done'])\nreturn sm"
+    found = behavior(create, init="self.add_parameter(name='speed', default=1)")
+    assert "does not begin with the parameter's name" in found.reason
+
+
+@pytest.mark.parametrize("default", ["1e999", "-1e999", "1" + "0" * 400, "True", "'x'"])
+def test_a_default_that_bounds_no_time_is_none(default):
+    text = f"class S(EventState):\n def __init__(self, timeout_s={default}):\n"
+    (limit,) = state(text + "  super().__init__(outcomes=['done'])").parameters
+    assert limit.default is None
 
 
 def test_a_behavior_file_without_its_class_is_kept_with_the_reason():
@@ -254,6 +279,7 @@ def test_a_manifest_of_the_app_is_read(golden):
         "<behavior>",
         '<behavior name="a"><executable package_path="one"/></behavior>',
         '<behavior name="a"><executable class="A"/></behavior>',
+        '<behavior name="a"><executable package_path="p../" class="A"/></behavior>',
     ],
 )
 def test_other_xml_is_no_manifest(text):

@@ -9,6 +9,7 @@ from __future__ import annotations
 import errno
 import importlib.util
 import os
+import re
 import sys
 import threading
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -38,6 +39,8 @@ _REMEMBERED = 1 << 14
 _TABLES = "remodel_states"  # the export whose attributes are files of tables
 _LISTING_CODES = ("faults", "abilities")  # the attributes whose files may list error codes
 _LARGEST_MANIFEST = 2**20  # [bytes]; what is larger is something else
+
+_PACKAGE_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")  # a dot would have a package imported
 
 _Content = TypeVar("_Content")
 
@@ -81,11 +84,11 @@ def read_package(folder: Path) -> Package:
     """
     try:
         root = ElementTree.fromstring(read_regular(folder / "package.xml"))
-    except ElementTree.ParseError as error:
+    except (ElementTree.ParseError, LookupError) as error:  # an unknown encoding
         raise ValueError(f"{folder / 'package.xml'} is not well-formed: {error}") from error
     name = (root.findtext("name") or "").strip()
-    if not name:
-        raise ValueError(f"{folder / 'package.xml'} names no package")
+    if not _PACKAGE_NAME.fullmatch(name):
+        raise ValueError(f"{folder / 'package.xml'} names no package: {name!r}")
     exports = {child.tag for export in root.iter("export") for child in export}
     return Package(
         name,
@@ -135,9 +138,15 @@ def find_packages(
 
 
 def _package_folders(package_path: str, seen: Stamps) -> Iterator[Path]:
+    visited: set[str] = set()  # links may lead in circles
     for top in filter(None, package_path.split(os.pathsep)):
         seen.take(top)
         for folder, inner, files in os.walk(top, followlinks=True):
+            place = os.path.realpath(folder)
+            if place in visited:
+                inner.clear()
+                continue
+            visited.add(place)
             if "package.xml" in files and "CATKIN_IGNORE" not in files:
                 yield Path(folder)
             if "package.xml" in files or "CATKIN_IGNORE" in files:
@@ -220,8 +229,9 @@ def _read_states(
             module = ".".join((package.name, *path.relative_to(top).with_suffix("").parts))
             try:
                 state = _read(_read_state, path, seen, package.name, module)
-            except (OSError, SyntaxError, ValueError, RecursionError) as error:
-                warnings.append(f"{path} cannot be read: {error}; its state is left out")
+            except (OSError, SyntaxError, ValueError, RecursionError, MemoryError) as error:
+                reason = str(error) or "its code is nested too deeply"
+                warnings.append(f"{path} cannot be read: {reason}; its state is left out")
             else:
                 if state is not None:
                     yield state
@@ -262,7 +272,7 @@ def _read_code_table(path: Path, _version: Stamp | None) -> tuple[ListedCode, ..
     """Return the error codes that a version of a file has."""
     try:
         return read_error_table(yaml.safe_load(read_regular_text(path)))
-    except yaml.YAMLError as error:
+    except (yaml.YAMLError, RecursionError) as error:
         raise ValueError(str(error)) from error
 
 
@@ -343,7 +353,8 @@ def read_inventory(package_path: str) -> Inventory:
         seen = Stamps()
         packages, path_warnings = find_packages(package_path, seen)
         library, warnings = read_library(packages, seen)
-        path = tuple(Path(entry).resolve() for entry in package_path.split(os.pathsep) if entry)
+        entries = filter(None, package_path.split(os.pathsep))
+        path = tuple(Path(os.path.realpath(entry)) for entry in entries)
         found = Inventory(packages, library, (*path_warnings, *warnings), path)
         _known.pop(package_path, None)
         _known[package_path] = seen, found

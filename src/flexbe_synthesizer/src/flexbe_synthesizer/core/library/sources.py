@@ -13,14 +13,16 @@ from __future__ import annotations
 
 import ast
 import html
+import keyword
 import re
+import sys
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from flexbe_synthesizer.core.chart import names
 from flexbe_synthesizer.core.chart.model import freeze, python_literal
 from flexbe_synthesizer.core.chart.problem import ChartError
-from flexbe_synthesizer.core.chart.xml_tree import XmlElement, as_utf8, read_root, read_utf8
+from flexbe_synthesizer.core.chart.xml_tree import XmlTree, as_utf8, read_root
 from flexbe_synthesizer.core.library.signature import (
     BehaviorClass,
     Effect,
@@ -67,39 +69,28 @@ class Manifest:
 def read_manifest(text: str | bytes, file: str) -> Manifest | None:
     """Return the manifest that the text holds, None if it is XML of another kind or no XML."""
     try:
-        data = as_utf8(text, file)
-        if read_root(data)[0] != "behavior":
+        if read_root(as_utf8(text, file))[0] != "behavior":
             return None  # a chart, for one, which may be large
-        root = read_utf8(data, file).root
+        root = XmlTree(text, file).root
     except ChartError:
         return None
-    executable = _child(root, "executable")
+    executable = root.find("executable")
     if executable is None:
         return None
-    package, _, module = _attribute(executable, "package_path").partition(".")
-    if not package or not module:
+    package, _, module = executable.get("package_path", "").partition(".")
+    if not package or not module or "/" in module:
         return None
-    params = _child(root, "params")
     return Manifest(
-        name=_attribute(root, "name"),
+        name=root.get("name", ""),
         package=package,
         module=module,
-        class_name=_attribute(executable, "class"),
-        contains=tuple(_attribute(c, "name") for c in root.children if c.name == "contains"),
+        class_name=executable.get("class", ""),
+        contains=tuple(contained.get("name", "") for contained in root.iterfind("contains")),
         parameters=tuple(
-            ManifestParameter(_attribute(param, "name"), _attribute(param, "type"))
-            for param in (params.children if params else ())
-            if param.name == "param"
+            ManifestParameter(param.get("name", ""), param.get("type", ""))
+            for param in root.iterfind("params/param")
         ),
     )
-
-
-def _child(element: XmlElement, name: str) -> XmlElement | None:
-    return next((child for child in element.children if child.name == name), None)
-
-
-def _attribute(element: XmlElement, name: str) -> str:
-    return next((a.value for a in element.attributes if a.name == name), "")
 
 
 def write_manifest(manifest: Manifest, description: str, author: str = "", tags: str = "") -> str:
@@ -159,7 +150,15 @@ def read_state_class(text: str, package: str, module: str) -> StateClass | Unrea
         return Unreadable(found.name, package, str(error))
 
 
+def _expect_importable(module: str) -> None:
+    """Refuse a module that no behavior can import, since a name on the way is none in Python."""
+    parts = module.split(".")
+    if not all(part.isidentifier() and not keyword.iskeyword(part) for part in parts):
+        raise _UnreadableError(f"Python cannot import its module {module}; rename its file")
+
+
 def _read_class(found: ast.ClassDef, package: str, module: str) -> StateClass:
+    _expect_importable(module)
     constructor = _constructor(found)
     docstring = ast.get_docstring(found) or ""
     documented = {
@@ -168,9 +167,9 @@ def _read_class(found: ast.ClassDef, package: str, module: str) -> StateClass:
     parameters = tuple(_parameters(constructor, documented, _graces(docstring)))
     known = {parameter.name for parameter in parameters}
     lists = {
-        keyword.arg: _name_list(keyword.arg, keyword.value, known)
-        for keyword in _super_call(constructor).keywords
-        if keyword.arg in ("outcomes", "input_keys", "output_keys", "io_keys")
+        given.arg: _name_list(given.arg, given.value, known)
+        for given in _super_call(constructor).keywords
+        if given.arg in ("outcomes", "input_keys", "output_keys", "io_keys")
     }
     outcomes = lists.get("outcomes", ())
     if not outcomes:
@@ -296,9 +295,11 @@ def _literal_source(node: ast.expr | None) -> str:
 
 
 def _number(node: ast.expr | None) -> float | None:
-    """Return the number that a default is, None for any other."""
+    """Return the number that a default is, None for any other, and for one beyond all floats."""
     value = node.value if isinstance(node, ast.Constant) else None
-    return value if isinstance(value, int | float) and not isinstance(value, bool) else None
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return None
+    return value if abs(value) <= sys.float_info.max else None
 
 
 def _super_call(constructor: ast.FunctionDef) -> ast.Call:
@@ -316,7 +317,7 @@ def _super_call(constructor: ast.FunctionDef) -> ast.Call:
 
 
 def _name_list(
-    keyword: str, value: ast.expr, parameters: set[str]
+    name: str, value: ast.expr, parameters: set[str]
 ) -> tuple[str, ...] | FromParameter:
     if isinstance(value, ast.Name) and value.id in parameters:
         return FromParameter(value.id)
@@ -326,7 +327,7 @@ def _name_list(
         if len(texts) == len(value.elts):
             return tuple(dict.fromkeys(texts))
     raise _UnreadableError(
-        f"its {keyword} are {ast.unparse(value)}; only a list of strings or a constructor argument "
+        f"its {name} are {ast.unparse(value)}; only a list of strings or a constructor argument "
         "can be read without running it"
     )
 
@@ -361,11 +362,13 @@ def read_behavior_class(text: str, manifest: Manifest) -> BehaviorClass | Unread
     """Return the interface of the behavior that a manifest names, or why it cannot be read."""
     try:
         return _read_behavior_class(ast.parse(text), manifest)
-    except (SyntaxError, ValueError, RecursionError) as error:
-        return Unreadable(manifest.name, manifest.package, str(error), manifest.class_name)
+    except (SyntaxError, ValueError, TypeError, RecursionError, MemoryError) as error:
+        reason = str(error) or "its code is nested too deeply"
+        return Unreadable(manifest.name, manifest.package, reason, manifest.class_name)
 
 
 def _read_behavior_class(tree: ast.Module, manifest: Manifest) -> BehaviorClass:
+    _expect_importable(f"{manifest.package}.{manifest.module}")
     classes = [node for node in tree.body if isinstance(node, ast.ClassDef)]
     found = next((c for c in classes if c.name == manifest.class_name), None)
     if found is None:
@@ -425,11 +428,16 @@ def _default_userdata(create: ast.FunctionDef, root: str) -> Iterator[tuple[str,
 def _parameter_names(constructor: ast.FunctionDef) -> Iterator[str]:
     for node in ast.walk(constructor):
         if isinstance(node, ast.Call) and ast.unparse(node.func) == "self.add_parameter":
+            if not node.args:
+                raise ValueError(f"{ast.unparse(node)} does not begin with the parameter's name")
             yield str(ast.literal_eval(node.args[0]))
 
 
 def _strings(value: ast.expr | None) -> tuple[str, ...]:
-    return () if value is None else tuple(map(str, ast.literal_eval(value)))
+    found = () if value is None else ast.literal_eval(value)
+    if not isinstance(found, list | tuple):
+        raise ValueError(f"{found!r} is no list of names")
+    return tuple(map(str, found))
 
 
 def _is_none(value: ast.expr | None) -> bool:

@@ -28,7 +28,7 @@ from flexbe_synthesizer.core.chart.model import (
     Transition,
     When,
 )
-from flexbe_synthesizer.core.library.signature import Signature, state_signature
+from flexbe_synthesizer.core.library.signature import BehaviorClass, Signature, state_signature
 from flexbe_synthesizer.core.machine.lower import chooser_label, counter_label
 from flexbe_synthesizer.core.machine.machine import (
     PREDICATES,
@@ -201,24 +201,18 @@ class _Folding:
         return replace(chart, connections=tuple(flows), inputs=(*chart.inputs, *added))
 
 
-def _signature(child: Child) -> Signature:
-    """Return the keys of a child; of a timed one those of what it times."""
-    content = child.content
-    if isinstance(content, StateUse):
-        values = {p.name: p.value for p in content.arguments if not isinstance(p.value, Expression)}
-        return state_signature(content.state, values)
-    if isinstance(content, BehaviorUse):
-        behavior = content.behavior
-        return Signature("", behavior.outcomes, behavior.inputs, behavior.outputs, parameters=())
-    raise TypeError(child)
-
-
 def _keys(child: Child) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Return the input and output keys of a child."""
-    if isinstance(child.content, Machinery):
-        return child.content.input_keys, child.content.output_keys
-    signature = _signature(child)
-    return tuple(p.name for p in signature.inputs), tuple(p.name for p in signature.outputs)
+    """Return the input and output keys of a child; of a timed one those of what it times."""
+    content = child.content
+    if isinstance(content, Machinery):
+        return content.input_keys, content.output_keys
+    offered: Signature | BehaviorClass
+    if isinstance(content, BehaviorUse):
+        offered = content.behavior
+    else:
+        given = {p.name: p.value for p in content.arguments if not isinstance(p.value, Expression)}
+        offered = state_signature(content.state, given)
+    return tuple(p.name for p in offered.inputs), tuple(p.name for p in offered.outputs)
 
 
 def _homes(
@@ -273,11 +267,13 @@ def _number(child: Child, name: str) -> float:
 
 def _is_counter(child: Child, by_label: dict[str, Child]) -> bool:
     """Return whether a child counts the attempts of the one that it is named after."""
-    target = {e.outcome: e.target for e in child.exits}.get("counted", "")
+    targets = {e.outcome: e.target for e in child.exits}
     return (
         _is_a(child, "remodel_states", "CountAttemptsState")
-        and target in by_label
-        and child.label == counter_label(target)
+        and targets.keys() == {"counted", "exhausted"}
+        and targets["counted"] in by_label
+        and child.label == counter_label(targets["counted"])
+        and "attempt" in dict(child.remapping)
     )
 
 
@@ -317,15 +313,16 @@ def _timed(child: Child) -> tuple[Child, Child] | None:
     if not isinstance(content, Machinery) or content.kind is not Kind.CONCURRENCY:
         return None
     by_label = {inner.label: inner for inner in content.children}
-    timer = by_label.get("timer")
+    if by_label.keys() != {"run", "timer"}:
+        return None
+    run, timer = by_label["run"], by_label["timer"]
     is_timed = (
-        by_label.keys() == {"run", "timer"}
-        and timer is not None
-        and _is_a(timer, "flexbe_states", "WaitState")
-        and content.conditions[-1].pairs == (("timer", "done"),)
-        and content.conditions[-1].outcome == "timed_out"
+        _is_a(timer, "flexbe_states", "WaitState")
+        and bool(timer.exits)
+        and content.conditions[-1:] == (("timed_out", (("timer", "done"),)),)
+        and {"timed_out", *(e.outcome for e in run.exits)} <= {e.outcome for e in child.exits}
     )
-    return (by_label["run"], by_label["timer"]) if is_timed else None
+    return (run, timer) if is_timed else None
 
 
 def _with_attempts(node: AnyNode, counter: Child, entries: dict[str, str]) -> AnyNode:

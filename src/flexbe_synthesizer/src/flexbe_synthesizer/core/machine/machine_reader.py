@@ -174,8 +174,8 @@ class _Reader:
                         adds.append(inner.value)
                     else:
                         self._refuse_statement(inner)
-            elif isinstance(node, ast.Assign) and _is_container(node):
-                self._containers[ast.unparse(node.targets[0])] = _call(node.value)
+            elif isinstance(node, ast.Assign) and (call := _container_call(node)) is not None:
+                self._containers[ast.unparse(node.targets[0])] = call
             elif isinstance(node, ast.Assign) and ".userdata." in ast.unparse(node.targets[0]):
                 key = ast.unparse(node.targets[0]).rpartition(".")[2]
                 userdata.append(Pair(key, self._value(node.value, f"default of '{key}'")))
@@ -241,6 +241,8 @@ class _Reader:
         self._inside.append(variable)
         children = tuple(child for add in adds if (child := self._child(add)) is not None)
         self._inside.pop()
+        if not adds:
+            self._refuse(call, f"{variable} is a container without states")
         return Container(
             _KINDS[ast.unparse(call.func)],
             self._names(given.get("outcomes"), "outcomes"),
@@ -298,7 +300,7 @@ class _Reader:
         return StateUse(found[0], alias, pairs)
 
     def _behavior(self, node: ast.Call, label: str) -> BehaviorUse | None:
-        alias = ast.unparse(node.args[0])
+        alias = ast.unparse(node.args[0]) if node.args else ""
         found = [b for b in self._library.find_behaviors(alias) if isinstance(b, BehaviorClass)]
         if len(found) != 1:
             self._refuse(node, f"'{label}' is of the behavior class {alias}, which is not found")
@@ -330,14 +332,10 @@ def _is_text(node: ast.AST) -> bool:
     return is_text or isinstance(node, ast.Pass)
 
 
-def _is_container(node: ast.Assign) -> bool:
-    return isinstance(node.value, ast.Call) and ast.unparse(node.value.func) in _KINDS
-
-
-def _call(node: ast.expr) -> ast.Call:
-    if not isinstance(node, ast.Call):
-        raise TypeError(node)
-    return node
+def _container_call(node: ast.Assign) -> ast.Call | None:
+    """Return the call that makes the container which is assigned, None if it is something else."""
+    call = node.value
+    return call if isinstance(call, ast.Call) and ast.unparse(call.func) in _KINDS else None
 
 
 def _levels(node: ast.expr | None, is_state: bool) -> Iterator[tuple[str, Autonomy]]:
@@ -393,6 +391,6 @@ def written_name(text: str) -> str | None:
     found = _NAME.search(text)
     try:
         name = ast.literal_eval(found[1]) if found else None
-    except (SyntaxError, ValueError):
+    except (SyntaxError, ValueError, TypeError, RecursionError, MemoryError):
         return None
     return name if isinstance(name, str) else None
