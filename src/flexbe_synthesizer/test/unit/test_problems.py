@@ -6,10 +6,14 @@ Each is reported alone, at its line and column, with a message that helps.
 import dataclasses
 
 import pytest
+from synthesizer_support.classes import state_class
 
 from flexbe_synthesizer.core.chart.chart_reader import parse_chart
+from flexbe_synthesizer.core.chart.model import Chart, Outcome, State, Transition
 from flexbe_synthesizer.core.chart.problem import errors_in
+from flexbe_synthesizer.core.check.check import check_chart
 from flexbe_synthesizer.core.compile import Unit, check_units
+from flexbe_synthesizer.core.library.signature import Library
 
 GOOD = """\
 <?xml version="1.0"?>
@@ -345,3 +349,10 @@ def test_states_that_differ_in_a_topic_alone_are_both_checked(check, first, seco
     )
     (problem,) = errors_in(check(text)[1])
     assert "'b!' of state 'Two' cannot name a topic" in problem.message
+
+
+def test_an_outcome_of_a_class_of_its_own_is_added_by_no_extension():
+    library = Library(states=(state_class("Own", ("timed_out", "exhausted")),))
+    chart = Chart("A", "S", (Outcome("x"),), (State("S", "Own", (Transition("exhausted", "x"),)),))
+    (problem,) = errors_in(check_chart(chart, library, {}).problems)
+    assert problem.message.startswith("outcome 'timed_out' of state 'S' leads nowhere;")

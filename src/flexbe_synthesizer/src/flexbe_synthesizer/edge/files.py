@@ -38,14 +38,14 @@ def read_regular(path: Path, most: int = _LARGEST) -> bytes:
     return content
 
 
-def read_regular_text(path: Path, most: int = _LARGEST) -> str:
+def read_regular_text(path: Path) -> str:
     """Return the text of a file in UTF-8.
 
     Raises:
         OSError: if it cannot be read.
         ValueError: if it is not UTF-8.
     """
-    return read_regular(path, most).decode("utf-8-sig").replace("\r\n", "\n")
+    return read_regular(path).decode("utf-8-sig").replace("\r\n", "\n")
 
 
 def _expect_regular(path: Path, mode: int) -> None:

@@ -134,8 +134,10 @@ def freeze(value: object, depth: int = 0) -> Literal:
         return tuple(freeze(item, depth + 1) for item in value)
     if depth < DEEPEST and isinstance(value, dict) and all(map(_is_key, value)):
         return {key: freeze(item, depth + 1) for key, item in value.items()}
+    is_long = isinstance(value, int)  # which Python refuses to write
+    found = "an integer of thousands of digits" if is_long else reprlib.repr(value)
     raise TypeError(
-        f"{reprlib.repr(value)} is no literal of a chart: null, a boolean, a finite number, a "
+        f"{found} is no literal of a chart: null, a boolean, a finite number, a "
         "string, a list, or a dictionary with strings or integers as keys, of at most "
         f"{DEEPEST} levels"
     )

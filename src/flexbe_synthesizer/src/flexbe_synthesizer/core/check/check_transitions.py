@@ -73,7 +73,8 @@ def check_events(entry: ResolvedNode) -> Iterator[Problem]:
             yield Problem(transition.position("event"), ProblemKind.DUPLICATE_TRANSITION, message)
     for event in events or ():
         if event not in first and event not in meant:
-            cause = f", which ext:{_ADDED_BY[event]} adds," if event in _ADDED_BY else ""
+            is_added = event in entry.use.added_events
+            cause = f", which ext:{_ADDED_BY[event]} adds," if is_added else ""
             message = f"outcome '{event}' of {label(entry.node)}{cause} leads nowhere; add "
             message += f'<transition event="{event}" target="..."/>.'
             yield Problem(entry.node.position(), ProblemKind.MISSING_TRANSITION, message)

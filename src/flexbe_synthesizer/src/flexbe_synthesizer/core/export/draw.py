@@ -72,22 +72,19 @@ class _Run:
         return bool(self.steps) and path not in self.entered
 
 
-def chart_to_dot(
-    chart: Chart, path_taken: Sequence[tuple[str, str]] = (), direction: str = "TB"
-) -> str:
+def chart_to_dot(chart: Chart, path_taken: Sequence[tuple[str, str]] = ()) -> str:
     """Return the drawing of a chart, containers as boxes around what is in them.
 
     Args:
         chart: what to draw.
         path_taken: (id, event) of each state or behavior that a run left, in order; the id of one
-            inside containers has theirs before it, `Place/Insert`. `expanded_labels.chart_steps`
-            makes it from what an engine reports.
-        direction: "TB", from top to bottom, or "LR", from left to right.
+            inside containers has theirs before it, `Place/Insert`. `lower.chart_steps` makes it
+            from what an engine reports.
     """
     run = _run_of(chart, path_taken)
     lines = [
         "digraph chart {",
-        f"  graph [rankdir={direction}, nodesep=0.5, ranksep=0.6, pad=0.3, bgcolor=white, "
+        "  graph [rankdir=TB, nodesep=0.5, ranksep=0.6, pad=0.3, bgcolor=white, "
         f'compound=true, fontname="{_FONT}", fontsize=11];',
         f'  node [fontname="{_FONT}", fontsize=12, fontcolor="{_INK}", penwidth=1.4];',
         f'  edge [fontname="{_FONT}", fontsize=10, arrowsize=0.7, penwidth=1.2];',
