@@ -97,7 +97,8 @@ def test_a_healthy_package_has_no_finding():
     assert len(healthy.stdout.splitlines()) == 1
 
 
-def test_files_that_cannot_be_read_are_findings(tmp_path):
+def test_files_that_cannot_be_read_are_findings(tmp_path, monkeypatch):
+    monkeypatch.setenv("ROS_PACKAGE_PATH", str(tmp_path))
     package = tmp_path / "healthy_states"
     shutil.copytree(WORKSPACE / "src" / "healthy_states", package)
     (package / "manifest").mkdir()
@@ -106,12 +107,14 @@ def test_files_that_cannot_be_read_are_findings(tmp_path):
         (package / "package.xml").read_text().replace("<flexbe_states/>", "<flexbe_behaviors/>")
     )
     (package / "src" / "healthy_states" / "latin_state.py").write_bytes(b"# \xe4\n")
+    (package / "src" / "healthy_states" / "null_state.py").write_bytes(b"a\0b")
     (tmp_path / "torn_states").mkdir()
     (tmp_path / "torn_states" / "package.xml").write_text("<package><export><flexbe_states/>")
     found = diagnose(tmp_path, is_static=True)
     assert {(str(Path(f.file).relative_to(tmp_path)), f.rule) for f in found.findings} == {
         ("healthy_states/package.xml", "package"),
         ("healthy_states/src/healthy_states/latin_state.py", "syntax"),
+        ("healthy_states/src/healthy_states/null_state.py", "syntax"),
         ("torn_states/package.xml", "package"),
     }
     assert "torn.xml is not XML" in found.findings[0].text

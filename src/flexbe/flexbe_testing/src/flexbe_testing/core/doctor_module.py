@@ -180,7 +180,10 @@ def parse_module(file: str, text: str) -> Module:
     Raises:
         SyntaxError: if it is not Python 3.
     """
-    tree = ast.parse(text, file)
+    try:
+        tree = ast.parse(text, file)
+    except (ValueError, MemoryError, RecursionError) as error:  # null bytes; too many brackets
+        raise SyntaxError(str(error) or "it is nested too deeply") from error
     module = Module(file, text, tree, _imported(tree), classes=[])
     kinds: dict[str, Kind] = {}
     for node in ast.walk(tree):

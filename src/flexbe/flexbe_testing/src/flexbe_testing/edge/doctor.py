@@ -13,14 +13,13 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from xml.etree import ElementTree
 
-import rospkg
-
+from flexbe_core.behavior_library import XML_ERRORS, packages_exporting
 from flexbe_testing.core.app_behavior import (
     AppLoadError,
     BehaviorDefinition,
@@ -42,17 +41,6 @@ from flexbe_testing.core.doctor_rules import Engine, count, examine
 _EXPORTS = ("flexbe_states", "flexbe_behaviors")
 
 
-def flexbe_packages() -> list[Path]:
-    """Return the folders of all packages on the ROS package path that export states or behaviors.
-
-    Raises:
-        ValueError: if a package.xml is not XML.
-    """
-    ros = rospkg.RosPack()
-    folders = [Path(ros.get_path(name)) for name in sorted(ros.list())]
-    return [folder for folder in folders if _exports(folder) & set(_EXPORTS)]
-
-
 def read_packages(folders: Iterable[Path]) -> Known:
     """Return what the App finds in the folders of packages that export states or behaviors.
 
@@ -62,75 +50,47 @@ def read_packages(folders: Iterable[Path]) -> Known:
     states: list[StateDefinition] = []
     behaviors: list[BehaviorDefinition] = []
     for folder in folders:
-        exports = _exports(folder)
-        if "flexbe_states" in exports:
-            states += read_states(_modules(folder))
-        if "flexbe_behaviors" in exports:
-            behaviors += _read_behaviors(folder)
+        package = _parse(folder / "package.xml")
+        modules = folder / "src" / (package.findtext("name") or "").strip()
+        if package.find("export/flexbe_states") is not None:
+            states += _read_states(modules)
+        if package.find("export/flexbe_behaviors") is not None:
+            behaviors += _read_behaviors(folder, modules)
     return Known(states, behaviors)
 
 
-def read_states(folder: Path) -> Iterator[StateDefinition]:
+def _read_states(modules: Path) -> Iterator[StateDefinition]:
     """Yield the state of each file in the module folder of a package."""
-    for file in sorted(folder.rglob("*.py")):
+    for file in sorted(modules.rglob("*.py")):
         if file.name != "__init__.py":
-            module = ".".join(file.relative_to(folder.parent).with_suffix("").parts)
-            found = read_state(read_source(file), module)
+            module = ".".join(file.relative_to(modules.parent).with_suffix("").parts)
+            found = read_state(_read_source(file), module)
             if found is not None:
                 yield found
 
 
-def read_source(file: Path) -> str:
-    """Return the text of a file.
+def _read_behaviors(folder: Path, modules: Path) -> Iterator[BehaviorDefinition]:
+    """Yield the behaviors of a package; those that the App cannot load are left out."""
+    for file in sorted((folder / "manifest").glob("*.xml")):
+        executable = _parse(file).find("executable")
+        path = "" if executable is None else executable.get("package_path", "")
+        code = modules / f"{path.partition('.')[2]}.py"
+        if path.count(".") == 1 and code.is_file():
+            with contextlib.suppress(AppLoadError):
+                yield define_behavior(_read_source(code), f"{modules.name}.{code.stem}")
 
-    Raises:
-        ValueError: if it is not UTF-8; the text names the file.
-    """
+
+def _read_source(file: Path) -> str:
     try:
         return file.read_text(encoding="utf-8")
     except UnicodeDecodeError as error:
         raise ValueError(f"{file} is not UTF-8: {error.reason} at byte {error.start}") from error
 
 
-def behavior_files(folder: Path) -> Iterator[tuple[Path, Path]]:
-    """Yield manifest and code of each behavior of a package whose code is there.
-
-    Raises:
-        ValueError: if a manifest is not XML.
-    """
-    for file in sorted((folder / "manifest").glob("*.xml")):
-        executable = _parse(file).find("executable")
-        module = "" if executable is None else executable.get("package_path", "")
-        code = _modules(folder) / f"{module.partition('.')[2]}.py"
-        if module.count(".") == 1 and code.is_file():
-            yield file, code
-
-
-def _read_behaviors(folder: Path) -> Iterator[BehaviorDefinition]:
-    """Yield the behaviors of a package; those that the App cannot load are left out."""
-    for _manifest, code in behavior_files(folder):
-        try:
-            module = f"{_modules(folder).name}.{code.stem}"
-            yield define_behavior(read_source(code), module)
-        except AppLoadError:
-            continue
-
-
-def _exports(folder: Path) -> set[str]:
-    return {
-        entry.tag for export in _parse(folder / "package.xml").iter("export") for entry in export
-    }
-
-
-def _modules(folder: Path) -> Path:
-    name = (_parse(folder / "package.xml").findtext("name") or "").strip()
-    return folder / "src" / name
-
-
 def _parse(file: Path) -> ElementTree.Element:
     try:
         return ElementTree.parse(file).getroot()
-    except ElementTree.ParseError as error:
+    except XML_ERRORS as error:
         raise ValueError(f"{file} is not XML: {error}") from error
 
 
@@ -191,26 +151,22 @@ def diagnose(workspace: Path, is_static: bool = False, limit_s: float = 20.0) ->
 def _known(found: Sequence[Package]) -> tuple[Known, list[Finding]]:
     """Return what the App finds in a workspace and beside it, and what cannot be read of it."""
     states, behaviors, findings = [], [], []
-    for package in found:
+    beside: dict[str, Path] = {}
+    for element in _EXPORTS:
+        beside |= packages_exporting(element, lambda text: None)
+    own = {package.name: package.folder for package in found}
+    for name, folder in {**own, **beside, **own}.items():  # the workspace's own first
         try:
-            known = read_packages([package.folder])
+            known = read_packages([folder])
         except (OSError, ValueError) as error:
-            text = f"not all of package {package.name} can be read: {error}"
-            file = str(package.folder / "package.xml")
-            findings.append(Finding(file, 1, "package", Severity.ERROR, text=text))
+            if name in own:  # what is wrong beside the workspace is not the user's
+                text = f"not all of package {name} can be read: {error}"
+                file = str(folder / "package.xml")
+                findings.append(Finding(file, 1, "package", Severity.ERROR, text=text))
             continue
         states += known.states
         behaviors += known.behaviors
-    known = _known_beside({package.name for package in found})
-    return Known([*states, *known.states], [*behaviors, *known.behaviors]), findings
-
-
-def _known_beside(names: Collection[str]) -> Known:
-    """Return what the App finds on the ROS package path; what is wrong there is not the user's."""
-    try:
-        return read_packages(folder for folder in flexbe_packages() if folder.name not in names)
-    except (OSError, ValueError):
-        return Known()
+    return Known(states, behaviors), findings
 
 
 def _examine(file: Path, engine: Engine, known: Known) -> tuple[list[Finding], Module | None]:
@@ -468,7 +424,7 @@ def _exporting(file: Path) -> str | None:
     """
     try:
         root = ElementTree.parse(file).getroot()
-    except ElementTree.ParseError:
+    except XML_ERRORS:
         text = file.read_text(errors="replace")
         return file.parent.name if any(element in text for element in _EXPORTS) else None
     if all(root.find(f"export/{element}") is None for element in _EXPORTS):
