@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import ast
+import http.server
 import os
 import signal
+import socketserver
 import threading
 from pathlib import Path
 from types import SimpleNamespace
@@ -29,7 +31,7 @@ from flexbe_testing.core.scenario import (
     table,
 )
 from flexbe_testing.ros.bench import Bench
-from flexbe_testing.ros.conformance import Judge
+from flexbe_testing.ros.conformance import Judge, main
 from flexbe_testing.ros.wire import EngineWire, Interrupt, InterruptedByUserError, Tape
 
 PACKAGE = Path(__file__).parents[2]
@@ -296,3 +298,14 @@ def test_a_word_waits_for_the_connection_of_a_behavior_started_again(kit, alive)
         getBusInfo=lambda _: (1, "", [(0, "http://kit/", "i", "TCPROS", Gate.name, True)])
     )
     assert kit._is_heard(Gate(*alive)) == bool(alive)
+
+
+@pytest.mark.parametrize("uri", ["nonsense", "{web}"])
+def test_what_is_no_master_is_reported_as_none(monkeypatch, capsys, uri):
+    with socketserver.TCPServer(("127.0.0.1", 0), http.server.BaseHTTPRequestHandler) as server:
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        web = f"http://127.0.0.1:{server.server_address[1]}"
+        monkeypatch.setenv("ROS_MASTER_URI", uri.format(web=web))
+        assert main([]) == 4
+        server.shutdown()
+    assert "no ROS master at" in capsys.readouterr().err

@@ -6,7 +6,9 @@ import argparse
 import socket
 import sys
 import time
+import xmlrpc.client
 from collections.abc import Iterable, Iterator, Sequence
+from http.client import HTTPException
 from pathlib import Path
 
 import rosgraph
@@ -118,7 +120,7 @@ def _missing_master() -> str | None:
     socket.setdefaulttimeout(_MASTER_LIMIT_S)
     try:
         rosgraph.Master("engine_conformance").getPid()
-    except OSError:
+    except (OSError, ValueError, HTTPException, xmlrpc.client.Error, rosgraph.MasterException):
         advice = "start one with roscore or roslaunch, or set ROS_MASTER_URI"
         return f"no ROS master at {uri}; {advice}"
     finally:
