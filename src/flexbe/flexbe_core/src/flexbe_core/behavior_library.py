@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 import sys
+import threading
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import lru_cache
@@ -181,10 +182,11 @@ class BehaviorLibrary:
 
     A behavior's id is the checksum of its package path, package.module. Manifests that cannot be
     read are left out, with one warning each. Behaviors, manifests and packages that are added
-    later are found when they are requested.
+    later are found when they are requested, by any thread.
     """
 
     def __init__(self) -> None:
+        self._lock = threading.RLock()
         self._warned: set[str] = set()
         self._added: list[tuple[str, str | None]] = []
         self.parse_packages()
@@ -202,17 +204,19 @@ class BehaviorLibrary:
 
     def get_behavior(self, behavior_id: int) -> dict[str, str] | None:
         """Return a behavior's name, package, file and class; None if there is none with this id."""
-        if behavior_id not in self._behavior_lib or self._is_outdated(behavior_id):
-            self.parse_packages()
-        return self._behavior_lib.get(behavior_id)
+        with self._lock:
+            if behavior_id not in self._behavior_lib or self._is_outdated(behavior_id):
+                self.parse_packages()
+            return self._behavior_lib.get(behavior_id)
 
     def find_behavior(self, name: str) -> tuple[int, dict[str, str]] | tuple[None, None]:
         """Return id and entry of the behavior with this display name, or None twice."""
-        found = self._find(name)
-        if found is None or self._is_outdated(found):
-            self.parse_packages()
-            found = self._find(name)
-        return (None, None) if found is None else (found, self._behavior_lib[found])
+        with self._lock:
+            found = self._ids.get(name)
+            if found is None or self._is_outdated(found):
+                self.parse_packages()
+                found = self._ids.get(name)
+            return (None, None) if found is None else (found, self._behavior_lib[found])
 
     def count_behaviors(self) -> int:
         """Return the number of behaviors."""
@@ -220,7 +224,8 @@ class BehaviorLibrary:
 
     def names(self) -> tuple[str, ...]:
         """Return the display names of all behaviors, sorted."""
-        return tuple(sorted({entry["name"] for entry in self._behavior_lib.values()}))
+        with self._lock:
+            return tuple(sorted({entry["name"] for entry in self._behavior_lib.values()}))
 
     def get_sourcecode_filepath(self, behavior_id: int, add_tmp: bool = False) -> str | None:
         """Return the path of a behavior's source file; None if there is none.
@@ -260,7 +265,7 @@ class BehaviorLibrary:
                 self._warn(f"manifest {file} is left out: it {error}")
 
     def _add(self, manifest: Manifest, file: Path) -> None:
-        same = self._find(manifest.name)
+        same = self._ids.get(manifest.name)
         behavior_id = checksum(manifest.package_path)
         if same is not None and same != behavior_id:
             self._warn(
@@ -279,9 +284,6 @@ class BehaviorLibrary:
         }
         self._files[behavior_id] = (file, file.stat().st_mtime_ns)
         self._ids[manifest.name] = behavior_id
-
-    def _find(self, name: str) -> int | None:
-        return self._ids.get(name)
 
     def _is_outdated(self, behavior_id: int) -> bool:
         file, read_at = self._files[behavior_id]

@@ -1,6 +1,7 @@
 """The behavior library: what it finds, and what does not stop it."""
 
 import textwrap
+from threading import Event, Thread
 
 import pytest
 
@@ -60,6 +61,31 @@ def test_of_two_manifests_of_one_behavior_the_last_names_it(workspace):
     assert library.find_behavior("Wire It") == (None, None)
     behavior_id, entry = library.find_behavior("Tie It")
     assert (behavior_id, entry["name"]) == (checksum("cell.wire_it_sm"), "Tie It")
+
+
+def test_a_behavior_is_found_while_another_thread_reads_the_packages_again(workspace):
+    add_package(workspace, "cell", {})
+    library, found, has_read, may_go_on = BehaviorLibrary(), [], Event(), Event()
+    add_package(workspace, "cell", {"First": "first_sm"})
+    read = library._read_manifests
+
+    def read_first(*words):
+        read(*words)
+        has_read.set()
+        may_go_on.wait(0.5)
+
+    def read_second(*words):
+        may_go_on.set()
+        thread.join()
+        read(*words)
+
+    library._read_manifests = read_first
+    thread = Thread(target=lambda: found.append(library.find_behavior("First")[0]))
+    thread.start()
+    has_read.wait()
+    library._read_manifests = read_second
+    library.find_behavior("Missing")
+    assert found == [checksum("cell.first_sm")]
 
 
 def test_what_does_not_exist_is_none(workspace):
