@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import Any
 
 import yaml
@@ -290,6 +290,18 @@ class Behavior:
 
     def _has_parameter(self, key: str) -> bool:
         return key in vars(self) and not key.startswith("_") and key not in _NO_PARAMETERS
+
+
+def paired(keys: Sequence[str], values: Sequence[str]) -> list[tuple[str, str]]:
+    """Return the keys of a request with their values; empty keys are skipped.
+
+    Raises:
+        ValueError: if a key has no value, or a value no key.
+    """
+    if len(keys) != len(values):
+        found = f"{len(values)} values for {len(keys)} keys ({', '.join(keys)})"
+        raise ValueError(f"the request has {found}; each key needs one")
+    return [(key, value) for key, value in zip(keys, values, strict=True) if key]
 
 
 def _converted(value: Any, present: object) -> object:  # noqa: ANN401 - of a request

@@ -18,6 +18,7 @@ from typing import Any
 import rospy
 
 from flexbe_core import Behavior, BehaviorLibrary
+from flexbe_core.behavior import paired
 from flexbe_core.behavior_library import packages_exporting
 from flexbe_core.engine.supervision import checksum
 
@@ -72,8 +73,8 @@ class AttributeDict(dict[str, Any]):
 
 
 def read_inputs(keys: Sequence[str], values: Sequence[str]) -> dict[str, Any]:
-    """Return the inputs of a start request; empty keys are skipped."""
-    return {key: read_value(value) for key, value in zip(keys, values, strict=False) if key}
+    """Return the inputs of a start request; see paired for what it raises."""
+    return {key: read_value(value) for key, value in paired(keys, values)}
 
 
 def read_value(text: str) -> Any:  # noqa: ANN401 - whatever was sent

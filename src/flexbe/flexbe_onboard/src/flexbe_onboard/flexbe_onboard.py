@@ -28,6 +28,7 @@ import rospy
 from flexbe_msgs.msg import BehaviorSelection, BEStatus, CommandFeedback
 
 from flexbe_core import Behavior, BehaviorLibrary, Logger
+from flexbe_core.behavior import paired
 from flexbe_core.engine.engine import ErrorPolicy, MigratingState
 from flexbe_core.engine.user_data import BehaviorFailure, StateMachineError
 from flexbe_core.proxy.proxy_action_client import WAITS, cancel_all_goals
@@ -315,19 +316,18 @@ class EngineNode:
 
     def _build(self, behavior_class: type[Behavior], request: BehaviorSelection) -> Behavior:
         behavior, start = behavior_class(), ""
-        for key, value in zip(request.arg_keys, request.arg_values, strict=False):
-            if key == START_AT:
-                start = value
-                continue
-            try:
-                if key and not behavior.set_parameter(key, value):
+        try:
+            for key, value in paired(request.arg_keys, request.arg_values):
+                if key == START_AT:
+                    start = value
+                elif not behavior.set_parameter(key, value):
                     Logger.logwarn("behavior %s has no parameter %r", behavior.name, key)
-            except ValueError as error:
-                raise StartError(str(error)) from error
+            inputs = read_inputs(request.input_keys, request.input_values)
+        except ValueError as error:
+            raise StartError(str(error)) from error
         behavior.set_up(
             request.behavior_checksum, request.autonomy_level, False, self._options.on_error
         )
-        inputs = read_inputs(request.input_keys, request.input_values)
         if not start:
             behavior.prepare_for_execution(inputs)
             return behavior

@@ -44,6 +44,11 @@ def test_inputs_pair_keys_and_values_and_skip_empty_keys():
     assert read_inputs(["a", "", "b"], ["1", "2", "x"]) == {"a": 1, "b": "x"}
 
 
+def test_a_key_without_a_value_is_refused():
+    with pytest.raises(ValueError, match=r"1 values for 2 keys \(a, b\)"):
+        read_inputs(["a", "b"], ["1"])
+
+
 def test_modifications_count_characters_of_the_unmodified_text():
     changes = [Modification(0, 1, "AB"), Modification(2, 2, "+"), Modification(4, 5, "")]
     assert modified("\u00e4bcde", changes) == "ABb+cd"

@@ -81,6 +81,13 @@ def test_a_goal_that_is_cancelled_after_its_request_is_stopped_once_it_runs(serv
     assert handle.end == "canceled"
 
 
+def test_a_goal_with_a_key_that_has_no_value_is_rejected(server):
+    handle = Handle()
+    handle.get_goal().arg_keys = ["speed"]
+    server._handle(_NewGoal(handle))
+    assert handle.end == "rejected: the request has 0 values for 1 keys (speed); each key needs one"
+
+
 def test_a_goal_whose_request_fails_in_any_way_is_rejected(server, monkeypatch):
     def fail(*_):
         raise RuntimeError("unexpected")

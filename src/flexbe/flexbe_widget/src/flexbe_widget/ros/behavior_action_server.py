@@ -24,7 +24,6 @@ import threading
 import time
 import traceback
 from dataclasses import dataclass
-from enum import Enum
 
 import actionlib
 import rospy
@@ -36,6 +35,7 @@ from flexbe_msgs.msg import (
 )
 
 from flexbe_core import BehaviorLibrary
+from flexbe_core.behavior import paired
 from flexbe_core.engine.supervision import PREEMPTED, StatusCode
 from flexbe_core.ros.master import SteadyActionServer
 from flexbe_widget.core.run_watch import (
@@ -60,22 +60,15 @@ _CHECK_EVERY_S = 0.1
 _ENGINE_LIMIT_S = 10.0
 
 
-class Act(Enum):
-    """How a goal ends."""
-
-    SUCCEED = "succeed"
-    CANCEL = "cancel"
-    ABORT = "abort"
-
-
+# How a run ended -> the method of the goal's handle that ends it, and a text.
 _ENDS = {
-    RunEnd.FINISHED: (Act.SUCCEED, ""),
-    RunEnd.PREEMPTED: (Act.CANCEL, "{name!r} was stopped"),
-    RunEnd.FAILED: (Act.ABORT, FAILED_TEXT + "{name!r}: {why}"),
-    RunEnd.REFUSED: (Act.ABORT, NOT_STARTED_TEXT + "{name!r}: {why}"),
-    RunEnd.LATE: (Act.ABORT, NOT_STARTED_TEXT + f"{{name!r}} within {START_LIMIT_S:g} s"),
-    RunEnd.RESTARTED: (Act.ABORT, ENGINE_LOST_TEXT + "it was restarted during {name!r}"),
-    RunEnd.LOST: (Act.ABORT, ENGINE_LOST_TEXT + f"it has been silent for {SILENCE_S:g} s"),
+    RunEnd.FINISHED: ("set_succeeded", ""),
+    RunEnd.PREEMPTED: ("set_canceled", "{name!r} was stopped"),
+    RunEnd.FAILED: ("set_aborted", FAILED_TEXT + "{name!r}: {why}"),
+    RunEnd.REFUSED: ("set_aborted", NOT_STARTED_TEXT + "{name!r}: {why}"),
+    RunEnd.LATE: ("set_aborted", NOT_STARTED_TEXT + f"{{name!r}} within {START_LIMIT_S:g} s"),
+    RunEnd.RESTARTED: ("set_aborted", ENGINE_LOST_TEXT + "it was restarted during {name!r}"),
+    RunEnd.LOST: ("set_aborted", ENGINE_LOST_TEXT + f"it has been silent for {SILENCE_S:g} s"),
 }
 
 
@@ -143,7 +136,7 @@ class BehaviorActionServer:
                 rospy.logerr("%s", traceback.format_exc())
                 if self._run is not None:
                     self._link.preempt()
-                    self._finish(self._run, Act.ABORT, "", f"internal error: {error}")
+                    self._finish(self._run, "set_aborted", "", f"internal error: {error}")
 
     def _handle(self, event: object) -> None:
         if isinstance(event, _NewGoal):
@@ -172,8 +165,8 @@ class BehaviorActionServer:
             request = start_request(
                 self._library,
                 goal.behavior_name,
-                [*zip(goal.arg_keys, goal.arg_values, strict=False)],
-                [*zip(goal.input_keys, goal.input_values, strict=False)],
+                paired(goal.arg_keys, goal.arg_values),
+                paired(goal.input_keys, goal.input_values),
             )
         except Exception as error:  # noqa: BLE001 - a RequestError, or else the goal must end too
             rospy.logerr("goal rejected: %s", error)
@@ -212,7 +205,7 @@ class BehaviorActionServer:
                 f"{ENGINE_LOST_TEXT}none is there and free after {_ENGINE_LIMIT_S:g} s; "
                 "start it with: roslaunch flexbe_onboard behavior_onboard.launch"
             )
-            self._finish(run, Act.ABORT, "", text)
+            self._finish(run, "set_aborted", "", text)
 
     def _on_status(self, run: _Run, watch: RunWatch, status: Status) -> None:
         was_running = watch.is_running
@@ -250,19 +243,13 @@ class BehaviorActionServer:
             self._link.preempt()
         if ending.end is RunEnd.LOST:
             self._given_up = run.watch
-        act, text = _ENDS[ending.end]
+        method, text = _ENDS[ending.end]
         why = self._link.why() if "{why}" in text else ""
         name = run.handle.get_goal().behavior_name
-        self._finish(run, act, ending.outcome, text.format(name=name, why=why))
+        self._finish(run, method, ending.outcome, text.format(name=name, why=why))
 
-    def _finish(self, run: _Run, act: Act, outcome: str, text: str) -> None:
-        result = BehaviorExecutionResult(outcome)
-        if act is Act.SUCCEED:
-            run.handle.set_succeeded(result, text)
-        elif act is Act.CANCEL:
-            run.handle.set_canceled(result, text)
-        else:
-            run.handle.set_aborted(result, text)
+    def _finish(self, run: _Run, method: str, outcome: str, text: str) -> None:
+        getattr(run.handle, method)(BehaviorExecutionResult(outcome), text)
         self._run = None
         self._begin_next()
 

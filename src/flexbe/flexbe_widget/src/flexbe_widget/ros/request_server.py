@@ -13,6 +13,7 @@ from flexbe_msgs.msg import BehaviorRequest, BehaviorSelection, BEStatus, Contai
 from std_msgs.msg import String
 
 from flexbe_core import BehaviorLibrary, Logger
+from flexbe_core.behavior import paired
 from flexbe_core.engine.supervision import UNSUPERVISED, checksum
 from flexbe_widget.edge.files import RequestError, resolved, yaml_text
 from flexbe_widget.ros.engine_link import EngineLink, Event
@@ -125,9 +126,9 @@ class RequestServer:
         threading.Thread(target=self._serve, args=(message,), daemon=True).start()
 
     def _serve(self, message: BehaviorRequest) -> None:
-        pairs = zip(message.arg_keys, message.arg_values, strict=False)
-        parameters = [_parameter(key, value) for key, value in pairs]
         try:
+            pairs = paired(message.arg_keys, message.arg_values)
+            parameters = [_parameter(key, value) for key, value in pairs]
             request = start_request(
                 self._library,
                 message.behavior_name,
