@@ -66,8 +66,9 @@ class YamlFormatter(logging.Formatter):
         found = record.msg if isinstance(record.msg, dict) else {"message": record.getMessage()}
         line = {**found, "logger": record.name, "loglevel": record.levelname}
         line.setdefault("time", clock.now())
-        style = {"default_flow_style": True, "sort_keys": False, "width": float("inf")}
-        text: str = yaml.dump(line, Dumper=_LineDumper, **style)
+        text: str = yaml.dump(
+            line, Dumper=_LineDumper, default_flow_style=True, sort_keys=False, width=1 << 30
+        )
         return f"- {text.strip()}"
 
 

@@ -228,7 +228,7 @@ class ActionConnection:
                 self.cancel(goal)
 
     def _known_goals(self) -> list[Goal]:
-        """Return the goals that somebody still has; another thread may send one meanwhile."""
+        """Return the goals that are still in use; another thread may send one meanwhile."""
         return [goal for known in self._goals.valuerefs() if (goal := known()) is not None]
 
     def _is_connected(self) -> bool:
