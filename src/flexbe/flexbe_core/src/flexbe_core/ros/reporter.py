@@ -7,7 +7,6 @@ import time
 import traceback
 from collections import deque
 from collections.abc import Callable, Sequence
-from functools import singledispatchmethod
 from io import BytesIO
 
 import rospy
@@ -93,56 +92,40 @@ class Reporter:
         """Publish the autonomy level that is in force."""
         self._send(topics.AUTONOMY_IN_FORCE, UInt8(level))
 
-    @singledispatchmethod
     def _publish(self, event: Event) -> None:
-        raise TypeError(f"cannot publish {event!r}")
+        match event:
+            case Entered():
+                # A supervised behavior is followed by a mirror, which publishes this itself. What
+                # is executed by hand has no id, and is not a behavior.
+                if not self._root._is_controlled and getattr(self._root, "id", None) is not None:
+                    self._send(topics.BEHAVIOR_UPDATE, String(event.path))
+            case Left():
+                self._send(topics.MIRROR_OUTCOME, UInt8(event.index))
+                self._send(topics.CURRENT_STATE, String(f"{event.path} > {event.outcome}"))
+            case Requested():
+                self._send(topics.OUTCOME_REQUEST, OutcomeRequest(event.index, event.path))
+                if StateLogger.enabled and event.index != NO_OUTCOME:
+                    self._log_request(event)
+            case Forced():
+                about = {"type": "forced", "forced": event.outcome, "requested": event.requested}
+                StateLogger.log("flexbe.operator", definition_at(self._root, event.path), **about)
+            case Ended():
+                state = definition_at(self._root, event.path)
+                StateLogger.log("flexbe.outcomes", state, outcome=event.outcome)
+            case Answered():
+                feedback = CommandFeedback(event.command, list(event.args))
+                self._send(topics.COMMAND_FEEDBACK, feedback)
+            case Synced():
+                sync = BehaviorSync(self._behavior_id(), checksum(event.path))
+                self._send(topics.MIRROR_SYNC, sync)
+            case Shown():
+                self._send(topics.ACTIVE_STATE, String(event.path))
+            case Refused():
+                Logger.logwarn("%s", event.text)
+            case Raised():
+                self._log_error(event)
 
-    @_publish.register
-    def _publish_entered(self, event: Entered) -> None:
-        # A supervised behavior is followed by a mirror, which publishes this itself. What is
-        # executed by hand has no id, and is not a behavior.
-        if not self._root._is_controlled and getattr(self._root, "id", None) is not None:
-            self._send(topics.BEHAVIOR_UPDATE, String(event.path))
-
-    @_publish.register
-    def _publish_left(self, event: Left) -> None:
-        self._send(topics.MIRROR_OUTCOME, UInt8(event.index))
-        self._send(topics.CURRENT_STATE, String(f"{event.path} > {event.outcome}"))
-
-    @_publish.register
-    def _publish_requested(self, event: Requested) -> None:
-        self._send(topics.OUTCOME_REQUEST, OutcomeRequest(event.index, event.path))
-        if StateLogger.enabled and event.index != NO_OUTCOME:
-            self._log_request(event)
-
-    @_publish.register
-    def _publish_forced(self, event: Forced) -> None:
-        about = {"type": "forced", "forced": event.outcome, "requested": event.requested}
-        StateLogger.log("flexbe.operator", definition_at(self._root, event.path), **about)
-
-    @_publish.register
-    def _publish_ended(self, event: Ended) -> None:
-        state = definition_at(self._root, event.path)
-        StateLogger.log("flexbe.outcomes", state, outcome=event.outcome)
-
-    @_publish.register
-    def _publish_answered(self, event: Answered) -> None:
-        self._send(topics.COMMAND_FEEDBACK, CommandFeedback(event.command, list(event.args)))
-
-    @_publish.register
-    def _publish_synced(self, event: Synced) -> None:
-        self._send(topics.MIRROR_SYNC, BehaviorSync(self._behavior_id(), checksum(event.path)))
-
-    @_publish.register
-    def _publish_shown(self, event: Shown) -> None:
-        self._send(topics.ACTIVE_STATE, String(event.path))
-
-    @_publish.register
-    def _publish_refused(self, event: Refused) -> None:
-        Logger.logwarn("%s", event.text)
-
-    @_publish.register
-    def _publish_raised(self, event: Raised) -> None:
+    def _log_error(self, event: Raised) -> None:
         error = event.error
         text = f"{type(error).__name__}: {error}"
         last, at = self._logged.get(event.path, ("", 0.0))
