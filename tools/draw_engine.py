@@ -4,8 +4,9 @@
 from collections import defaultdict
 from pathlib import Path
 from types import SimpleNamespace
+from typing import get_args
 
-from flexbe_core.engine.supervision import _HANDLERS, AFTER, BEFORE, Rule
+from flexbe_core.engine.supervision import AFTER, BEFORE, Rule, StateCommand
 from flexbe_core.ros.command_hub import _COMMANDS
 
 DOCUMENT = Path(__file__).parents[1] / "docs" / "engine.md"
@@ -34,8 +35,8 @@ def commands() -> str:
     for topic, make in _COMMANDS.items():
         command = type(make(_ANY_MESSAGE))
         names = "Pause, Resume" if command.__name__ == "Pause" else command.__name__
-        handler = _HANDLERS.get(command)
-        where = f"supervision.py` `{handler.__name__}" if handler else "engine.py` `handle"
+        is_for_state = command in get_args(StateCommand)
+        where = "supervision.py` `apply_command" if is_for_state else "engine.py` `handle"
         rows[where].append((f"`{topic}`", names))
     lines = ["| topic | command | handled by |", "|---|---|---|"]
     for where, both in rows.items():

@@ -115,7 +115,7 @@ _LEVELS = f"one of {names.quoted(level.value for level in Autonomy)}"
 _AUTONOMY = _Extension("autonomy", Autonomy, _LEVELS, Autonomy.OFF)
 _ATTEMPTS = _Extension("attempts", _at_least_one, "an integer from 1", 1)
 _TIMEOUT = _Extension("timeout_s", _positive, "a number of seconds above 0", 1.0)
-_ROUTES = _Extension("on_error", parse_routes, ROUTES_RULE, ())
+_ROUTES = _Extension[tuple[ErrorRoute, ...]]("on_error", parse_routes, ROUTES_RULE, ())
 _PLACE = "two whole numbers of at most 5 digits, right and down, such as '120 40'"
 _AT = _Extension("at", _read_point, _PLACE, (0, 0))
 

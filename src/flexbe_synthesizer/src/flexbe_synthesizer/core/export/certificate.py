@@ -256,8 +256,9 @@ class _Times:
         if entry.node.timeout_s is not None and not entry.use.is_timed:
             return _finite(entry.node.timeout_s + limit.grace_s)
         value = next((p.value for p in entry.node.params if p.name == limit.name), limit.default)
-        is_number = isinstance(value, int | float) and not isinstance(value, bool)
-        return _finite(value + limit.grace_s) if is_number else None
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            return None
+        return _finite(value + limit.grace_s)
 
     def _behavior(self, behavior: BehaviorClass) -> Seconds:
         if behavior.module not in self._known:

@@ -316,9 +316,7 @@ def _super_call(constructor: ast.FunctionDef) -> ast.Call:
     raise _UnreadableError("its constructor does not call super().__init__(outcomes=[...])")
 
 
-def _name_list(
-    name: str, value: ast.expr, parameters: set[str]
-) -> tuple[str, ...] | FromParameter:
+def _name_list(name: str, value: ast.expr, parameters: set[str]) -> tuple[str, ...] | FromParameter:
     if isinstance(value, ast.Name) and value.id in parameters:
         return FromParameter(value.id)
     if isinstance(value, ast.List):
