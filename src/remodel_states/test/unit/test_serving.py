@@ -59,7 +59,7 @@ def test_findings_of_an_ability_that_this_one_made_use_of_are_left_out():
 
 
 class Handled(Handle):
-    """A goal that a server takes; `cancel`, if given, is called while it is looked at."""
+    """A goal that a server takes; `cancel`, if given, is called while it is checked."""
 
     def __init__(self, cancel=lambda handle: None):
         super().__init__()

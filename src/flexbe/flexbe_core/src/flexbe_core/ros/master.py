@@ -185,6 +185,8 @@ class MasterWatch:
 
 
 _ended = threading.Event()
+
+# The master that this process has joined; empty before, None if it was gone at once.
 _joined: list[Identity | None] = []
 
 

@@ -170,6 +170,7 @@ class BehaviorActionServer:
             )
         except Exception as error:  # noqa: BLE001 - a RequestError, or else the goal must end too
             rospy.logerr("goal rejected: %s", error)
+            rospy.logdebug("%s", traceback.format_exc())
             handle.set_rejected(BehaviorExecutionResult(), str(error))
             return
         if self._next is not None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 import threading
+import traceback
 import time
 from collections.abc import Iterable, Sequence
 from pathlib import Path
@@ -139,6 +140,7 @@ class RequestServer:
             self._wait_for_engine()
         except Exception as error:  # noqa: BLE001 - a RequestError, or else who asked must know too
             Logger.logerr("%s", error)
+            Logger.local(traceback.format_exc(), Logger.REPORT_DEBUG)
             self._status.publish(BEStatus(code=BEStatus.ERROR))
             return
         if message.autonomy_level != UNSUPERVISED and message.structure:

@@ -101,13 +101,14 @@ class Cell:
     def take_over(self, owner: int) -> bool:
         """Refuse earlier owners from now on; return whether nothing moves that they asked for.
 
-        A cell answers when its feeder rests, or that it is busy; any other refusal says so, too.
+        A cell answers when its feeder rests, or that it is busy, or with an error of its own, such
+        as no answer in time; of any other refusal nothing moves.
 
         Raises:
             LostError: if it does not answer.
         """
         answer = self._call("feed_wire", "take over the cell", wire_id="", owner=owner)
-        return answer.error_code != ErrorCode.BUSY
+        return answer.error_code not in (ErrorCode.BUSY, ErrorCode.INTERNAL)
 
     def placed(self, wire: str) -> bool | None:
         """Return whether a wire is placed, by ground truth; None if there is none of it.
