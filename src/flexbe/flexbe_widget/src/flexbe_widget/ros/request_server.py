@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import difflib
 import threading
-import traceback
 import time
+import traceback
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
