@@ -1,6 +1,7 @@
 import json
 import os
 import shutil
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -232,6 +233,16 @@ def test_the_command_itself_passes_the_exit_code_on(charts, package_path):
 
     assert exit_code(charts / "plain.xml", "--check") == 0
     assert exit_code(charts / "none.xml") == 2
+
+
+@pytest.mark.parametrize("name", ["synthesize", "chart_from_behavior"])
+def test_a_reader_that_goes_away_ends_the_command_quietly(name):
+    reader, writer = os.pipe()
+    os.close(reader)
+    command = [sys.executable, str(COMMAND.with_name(name)), "--help"]
+    done = subprocess.run(command, stdout=writer, stderr=subprocess.PIPE, timeout=60)
+    os.close(writer)
+    assert (done.returncode, done.stderr) == (-signal.SIGPIPE, b"")
 
 
 def test_what_is_found_can_be_had_as_json(run, charts, golden):

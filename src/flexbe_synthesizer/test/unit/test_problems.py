@@ -85,6 +85,11 @@ CASES = [
     ("unknown-element", "outermost element is <statemachine>", (GOOD, "◊<scxml/>")),
     ("duplicate-element", "second <outcomes>", (GONE, GONE + "<outcomes/>◊<outcomes/>")),
     ("unknown-attribute", "Did you mean 'topic'?", ("topic", "◊topics")),
+    (
+        "unknown-attribute",
+        "'topic' of the namespace 'urn:x'",
+        ("topic", 'xmlns:x="urn:x" ◊x:topic'),
+    ),
     ("missing-attribute", "type of <behavior> is empty", ('type="Clean Up"', '◊type=""')),
     ("unknown-extension", "no element <ext:box>", (DATA, "◊<ext:box/>" + DATA)),
     ("unknown-extension", "has: none", (' name="view"', ' ◊ext:default="1" name="view"')),

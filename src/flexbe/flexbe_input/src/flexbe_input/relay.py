@@ -80,7 +80,10 @@ class Relay:
         self, goal: BehaviorInputGoal, answered: threading.Event
     ) -> tuple[BehaviorInputResult | None, str]:
         """Return the operator's result and its status text; None if cancelled."""
-        if not self._operator.wait_for_server(self._operator_limit):
+        is_served = self._operator.wait_for_server(self._operator_limit)
+        if answered.is_set():  # cancelled meanwhile
+            return None, ""
+        if not is_served:
             rospy.logwarn("no node serves flexbe/operator_input; a question is not answered")
             failed = BehaviorInputResult(result_code=BehaviorInputResult.RESULT_FAILED)
             return failed, "no operator's interface serves flexbe/operator_input"

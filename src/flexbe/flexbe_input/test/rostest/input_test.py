@@ -7,7 +7,8 @@ import unittest
 import actionlib
 import rospy
 import rostest
-from flexbe_msgs.msg import BehaviorInputAction, BehaviorInputResult
+from actionlib_msgs.msg import GoalStatus
+from flexbe_msgs.msg import BehaviorInputAction, BehaviorInputGoal, BehaviorInputResult
 
 from flexbe_core import OperatableStateMachine
 from flexbe_core.engine.supervision import Preempt
@@ -118,6 +119,22 @@ class InputTest(unittest.TestCase):
             operator.on_goal = lambda: own_session(self.machine).post(Preempt())
             self.assertEqual(self.machine.spin(), "preempted")
             self.assertTrue(operator.cancelled.wait(LIMIT_S))
+        finally:
+            operator.close()
+
+    def test_a_question_that_is_cancelled_before_there_is_an_interface_is_not_shown(self):
+        client = actionlib.ActionClient("flexbe/behavior_input", BehaviorInputAction)
+        self.assertTrue(client.wait_for_server(rospy.Duration(LIMIT_S)))
+        asked = client.send_goal(BehaviorInputGoal(3, "Which pin?"))
+        state = actionlib.CommState
+        wait_until(lambda: asked.get_comm_state() == state.ACTIVE)
+        asked.cancel()
+        wait_until(lambda: asked.get_comm_state() in (state.PREEMPTING, state.DONE))
+        operator = Operator(BehaviorInputResult.RESULT_OK, "7")
+        try:
+            wait_until(lambda: asked.get_comm_state() == state.DONE)
+            self.assertEqual(asked.get_goal_status(), GoalStatus.PREEMPTED)
+            self.assertEqual(operator.goals, [])
         finally:
             operator.close()
 

@@ -117,6 +117,8 @@ def read_log(name: str) -> list[dict[str, Any]]:
                 break
             raise LogError(f"{name}:{number}: not a line of a run log: {text:.80}") from error
         if isinstance(line, dict):
+            if not isinstance(line.get("time", 0.0), (int, float)):
+                raise LogError(f"{name}:{number}: 'time' is not a number of seconds: {text:.80}")
             lines.append(line)
     return lines
 

@@ -237,6 +237,9 @@ class ElementReader:
                 has = ", ".join(f"ext:{name}" for name in shape.extensions) or "none"
                 kind = ProblemKind.UNKNOWN_EXTENSION
                 message = f"ext:{found} is no extension of <{tag}>; it has: {has}."
+            elif namespace:
+                message = f"<{tag}> has no attribute '{found}' of the namespace '{namespace}'; "
+                message += "delete its prefix if the attribute of the chart is meant, or it."
             elif found in shape.extensions:
                 message = f"<{tag}> has no attribute '{found}'; it is an extension: write "
                 message += f'ext:{found}, with xmlns:ext="{EXTENSION}" on top.'
