@@ -146,3 +146,14 @@ def test_a_container_may_have_any_name_that_a_chart_can_give_it(check, golden):
     code = rendered(compile_chart(checked, "cell"))
     ast.parse(code)
     assert "_sm_b____" in code
+
+
+def test_the_app_saves_a_container_with_any_letters_in_its_name_unchanged(
+    check, golden, app_complaints
+):
+    text = (golden / "charts" / "two_arms.xml").read_text().replace('"Place"', '"Über gabe"')
+    checked, problems = check(text)
+    assert problems == ()
+    code = rendered(compile_chart(checked, "cell"))
+    assert "_sm_über_gabe_" in code
+    assert app_complaints(code) == []

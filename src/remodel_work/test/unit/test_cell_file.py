@@ -72,8 +72,8 @@ def test_a_cell_has_labels_unless_it_says_otherwise(tmp_path):
 
 
 def test_a_board_lies_where_the_cell_says(tmp_path):
-    board = read_changed(tmp_path, board={"x": 0.6, "y": -0.1, "yaw_deg": 90}).world_from_panel
-    assert board.apply(np.array([0.1, 0.0, 0.0])) == pytest.approx([0.6, 0.0, 0.0])
+    board = read_changed(tmp_path, board={"x": 0.6, "y": -0.1, "yaw_deg": 4}).world_from_panel
+    assert board.apply(np.array([0.1, 0.0, 0.0])) == pytest.approx([0.69976, -0.09302, 0.0], 1e-4)
     assert read_cell().world_from_panel == BOARD
     (problem,) = problems(tmp_path, lambda cell: cell.update(board={"x": 0.6}))
     assert "board" in problem and "missing: y" in problem
@@ -122,6 +122,10 @@ def test_a_cell_of_ones_own_is_read_from_its_path(tmp_path):
                 {"id": "D", "pose": [0, 0, 0], "length": 0, "width": 0.04, "height": 0.02}
             ),
             r"fixtures.ducts\[0\].length: found 0; allowed: more than 0",
+        ),
+        (
+            lambda c: c.update(board={"x": 0.5, "y": 0.0, "yaw_deg": 90.0}),
+            "board.yaw_deg: found 90; allowed: within 5 of 0, since the feeder lays wires along y",
         ),
         (doubled, "robots: 2 have name 'robot_1'; each needs its own"),
         (doubled, "are 0.00 m apart; allowed: 0.50 m or more"),

@@ -1,6 +1,7 @@
 """Where a robot's scrap bin stands."""
 
 import dataclasses
+import math
 
 import pytest
 from panels import panel
@@ -9,6 +10,8 @@ from refusals import refused
 from remodel_states.core.codes import Code
 from remodel_work.cell.cell_design import bin_of
 from remodel_work.edge.cell_file import read_cell
+from remodel_work.geometry import Pose
+from remodel_work.panel import BOARD
 from remodel_work.robot.arm import ToolPose
 
 
@@ -21,6 +24,13 @@ def test_each_robot_has_a_bin_in_reach_beside_any_plate(name, small):
         place = bin_of(robot, panel(size=size))
         assert robot.arm.reaches(place)
         assert abs(place.y) > size[1] / 2 + 0.05 and place.y * robot.home.y > 0
+
+
+def test_beside_a_plate_that_is_turned_the_bin_is_beyond_its_longer_side_too():
+    robot = read_cell().robots[0]
+    turned = Pose(BOARD.position, Pose.level(0.0, 0.0, 0.0, math.pi / 2).quaternion)
+    place = bin_of(robot, panel(size=(0.7, 0.4, 0.003), world_from_panel=turned))
+    assert abs(place.y) > 0.7 / 2 + 0.05
 
 
 def test_the_cells_file_may_name_the_bins_place():

@@ -61,7 +61,9 @@ def test_what_is_no_record_is_reported_with_its_line(tmp_path):
     with pytest.raises(LogError, match=r"other\.yaml:2: not a line of a run log: hello"):
         read_log(str(file))
     file.write_text("- {path: /Say, time: at noon}\n")
-    with pytest.raises(LogError, match=r"other\.yaml:1: 'time' is not a number of seconds: - {path"):
+    with pytest.raises(
+        LogError, match=r"other\.yaml:1: 'time' is not a number of seconds: - {path"
+    ):
         read_log(str(file))
     with pytest.raises(LogError, match="cannot read"):
         read_log(str(tmp_path / "nothing"))

@@ -15,7 +15,7 @@ from itertools import combinations
 
 import numpy as np
 
-from remodel_states.core.cell import CellLimits
+from remodel_states.core.cell import CellLimits, Footprint, footprint
 from remodel_states.core.codes import Code
 from remodel_work.camera import Lens, View, overhead_name
 from remodel_work.cell.presenting import (
@@ -35,6 +35,8 @@ from remodel_work.robot.arm import Arm, Kinematics, ToolPose
 BASES_APART_M = 0.50
 # A bin stands so far beside the plate, or further [m]: what is dropped clears the edge.
 BIN_ROOM_M = 0.05
+# A feeder lays wires along y, in channels that are turned from it by no more.
+FED_TURN_RAD = math.radians(5.0)
 # There are so many labels: DICT_4X4_250.
 MARKERS = 250
 
@@ -235,13 +237,13 @@ def _homes(design: CellDesign) -> Iterator[str]:
 
 
 def _bins(design: CellDesign) -> Iterator[str]:
-    middle, plate = design.world_from_panel.position[:2], design.takes.plate
+    plate = design.takes.plate
+    taken = _plate_at(design.world_from_panel, plate)
     for i, robot in enumerate(design.robots):
         if robot.scrap_bin is None:
             continue
-        beyond = np.abs(robot.scrap_bin.position[:2] - middle) - np.array(plate) / 2
-        if beyond.max() < BIN_ROOM_M - 1e-9:
-            x, y = robot.scrap_bin.position[:2]
+        x, y = at = robot.scrap_bin.position[:2]
+        if np.maximum(taken.low - at, at - taken.high).max() < BIN_ROOM_M - 1e-9:
             yield (
                 f"robots[{i}].scrap_bin: found x {x:.3f}, y {y:.3f} m; allowed: {BIN_ROOM_M} m or "
                 f"more beside the largest plate that the cell takes, {plate[0]:.2f} x "
@@ -249,8 +251,20 @@ def _bins(design: CellDesign) -> Iterator[str]:
             )
 
 
+def _plate_at(place: Pose, size: tuple[float, float]) -> Footprint:
+    """Return the rectangle along the world's axes around a plate of a size [m]."""
+    x, y, _ = (float(v) for v in place.position)
+    return footprint((x, y), size, place.yaw)
+
+
 def _presenting(design: CellDesign) -> Iterator[str]:
-    magazine = design.magazine
+    magazine, yaw = design.magazine, design.world_from_panel.yaw
+    if design.feeder is not None and abs(yaw) > FED_TURN_RAD:
+        yield (
+            f"board.yaw_deg: found {math.degrees(yaw):.0f}; allowed: within "
+            f"{math.degrees(FED_TURN_RAD):.0f} of 0, since the feeder lays wires along y; a cell "
+            "with a magazine holds its board at any yaw"
+        )
     if (magazine is None) == (design.feeder is None):
         found = "both" if magazine is not None else "none"
         yield f"feeder, magazine: found {found}; allowed: one of them"
@@ -325,8 +339,8 @@ def bin_of(robot: RobotDesign, panel: Panel) -> ToolPose:
     if robot.scrap_bin is not None:
         return robot.scrap_bin
     middle_x, middle_y, _ = panel.world_from_panel.position
-    side = math.copysign(1.0, robot.home.y - middle_y)
-    y = float(middle_y + side * (panel.size[1] / 2 + BEYOND_EDGE_M))
+    low, high = _plate_at(panel.world_from_panel, panel.size[:2])
+    y = high[1] + BEYOND_EDGE_M if robot.home.y >= middle_y else low[1] - BEYOND_EDGE_M
     base_x = robot.arm.base[0]
     count = math.ceil(abs(middle_x - base_x) / STEP_M)
     for x in np.linspace(middle_x, base_x, count):

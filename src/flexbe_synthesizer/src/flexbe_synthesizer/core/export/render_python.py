@@ -171,10 +171,17 @@ def _compiled_template() -> jinja2.Template:
 
 
 def _variables(inner: Sequence[str]) -> Mapping[str, str]:
-    """Return the variable of each container by its path, given the sorted paths of inner ones."""
+    """Return the variable of each container by its path, given the sorted paths of inner ones.
+
+    It is the one that the FlexBE App gives it, where that is Python.
+    """
     numbered = {}
     for number, path in enumerate(reversed(inner)):
-        numbered[path] = f"_sm_{names.behavior_file(path.rpartition('/')[2])}_{number}"
+        name = path.rpartition("/")[2]
+        part = name.lower().replace(" ", "_")
+        if not f"_sm_{part}".isidentifier():
+            part = names.behavior_file(name)
+        numbered[path] = f"_sm_{part}_{number}"
     return {"": _ROOT, **numbered}
 
 
