@@ -9,6 +9,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
+from remodel_states.core.cell import footprint
 from remodel_states.core.wires import WIRE_RGB
 from remodel_work.camera import Picture, are_nearest
 from remodel_work.component_shape import Box
@@ -112,8 +113,10 @@ def standing_wires(pictures: Sequence[Picture], panel: Panel, drawn: Obstacles) 
     """
     if any(picture.depth is None for picture in pictures):
         return Obstacles()
-    shape = np.ceil((np.array(panel.size[:2]) + 2 * OUTSIDE_M) / CELL_M).astype(int)
-    corner = panel.world_from_panel.position[:2] - shape * CELL_M / 2
+    (x, y, _), yaw = panel.world_from_panel.position, panel.world_from_panel.yaw
+    low, high = np.array(footprint((float(x), float(y)), panel.size[:2], yaw))
+    shape = np.ceil((high - low + 2 * OUTSIDE_M) / CELL_M).astype(int)
+    corner = (low + high) / 2 - shape * CELL_M / 2
     known = _drawn_heights(panel, drawn, corner, (int(shape[0]), int(shape[1])))
     tops = np.max([_seen_heights(picture, corner, known.shape) for picture in pictures], axis=0)
     stands = (tops > known + RISE_M) & (tops < MOST_M)

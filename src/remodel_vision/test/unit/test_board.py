@@ -10,6 +10,7 @@ from panels import example, panel
 from remodel_vision.opening_occupancy import is_seen_empty
 from remodel_vision.standing import CELL_M, graspable_places, standing_wires
 from remodel_work.edge.cell_file import read_cell
+from remodel_work.geometry import Pose
 from remodel_work.obstacles import WIRES, panel_obstacles
 from remodel_work.panel import BOARD, WireEnd
 from remodel_work.routes import opening_of
@@ -72,3 +73,14 @@ def test_a_wire_that_stands_out_of_the_plate_is_seen_and_nothing_else(cell):
         assert abs(y - ARCH_Y) < 2 * CELL_M
         beneath = nodes[np.abs(nodes[:, 0] - x) <= CELL_M, 2]
         assert beneath.min() - 0.004 < middle + height / 2 < beneath.max() + 0.006
+
+
+def test_a_wire_that_stands_out_of_a_turned_plate_is_seen_up_to_its_edge():
+    turned = BOARD @ Pose.level(0.0, 0.0, 0.0, math.pi / 2)
+    plate = panel(channels=(), components=(), size=(0.70, 0.40, 0.003), world_from_panel=turned)
+    nodes = arch()
+    nodes[:, 1] = 0.30
+    shown = picture(OVERHEAD, boxes_of(plate), [(plate.wire("W2"), nodes)])
+    columns = standing_wires([shown], plate, panel_obstacles(plate, {})).solids
+    assert columns
+    assert all(abs(column.box.centre[1] - 0.30) < 2 * CELL_M for column in columns)
