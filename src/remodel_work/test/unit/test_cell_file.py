@@ -127,6 +127,10 @@ def test_a_cell_of_ones_own_is_read_from_its_path(tmp_path):
             lambda c: c.update(board={"x": 0.5, "y": 0.0, "yaw_deg": 90.0}),
             "board.yaw_deg: found 90; allowed: within 5 of 0, since the feeder lays wires along y",
         ),
+        (
+            lambda c: c.update(board={"x": 0.5, "y": 0.0, "yaw_deg": -5.2}),
+            "board.yaw_deg: found -5.2; allowed: within 5 of 0",
+        ),
         (doubled, "robots: 2 have name 'robot_1'; each needs its own"),
         (doubled, "are 0.00 m apart; allowed: 0.50 m or more"),
     ],

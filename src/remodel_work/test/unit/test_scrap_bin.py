@@ -28,7 +28,7 @@ def test_each_robot_has_a_bin_in_reach_beside_any_plate(name, small):
 
 def test_beside_a_plate_that_is_turned_the_bin_is_beyond_its_longer_side_too():
     robot = read_cell().robots[0]
-    turned = Pose(BOARD.position, Pose.level(0.0, 0.0, 0.0, math.pi / 2).quaternion)
+    turned = BOARD @ Pose.level(0.0, 0.0, 0.0, math.pi / 2)
     place = bin_of(robot, panel(size=(0.7, 0.4, 0.003), world_from_panel=turned))
     assert abs(place.y) > 0.7 / 2 + 0.05
 

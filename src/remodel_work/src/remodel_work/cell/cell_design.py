@@ -35,7 +35,8 @@ from remodel_work.robot.arm import Arm, Kinematics, ToolPose
 BASES_APART_M = 0.50
 # A bin stands so far beside the plate, or further [m]: what is dropped clears the edge.
 BIN_ROOM_M = 0.05
-# A feeder lays wires along y, in channels that are turned from it by no more.
+# A feeder lays wires along y, in channels that are turned from it by no more: at the farthest
+# terminal, 0.30 m from the middle, that is 26 mm, half of the way to a channel's edge.
 FED_TURN_RAD = math.radians(5.0)
 # There are so many labels: DICT_4X4_250.
 MARKERS = 250
@@ -259,11 +260,10 @@ def _plate_at(place: Pose, size: tuple[float, float]) -> Footprint:
 
 def _presenting(design: CellDesign) -> Iterator[str]:
     magazine, yaw = design.magazine, design.world_from_panel.yaw
-    if design.feeder is not None and abs(yaw) > FED_TURN_RAD:
+    if design.feeder is not None and abs(yaw) > FED_TURN_RAD + 1e-9:
         yield (
-            f"board.yaw_deg: found {math.degrees(yaw):.0f}; allowed: within "
-            f"{math.degrees(FED_TURN_RAD):.0f} of 0, since the feeder lays wires along y; a cell "
-            "with a magazine holds its board at any yaw"
+            f"board.yaw_deg: found {round(math.degrees(yaw), 3):g}; allowed: within "
+            f"{math.degrees(FED_TURN_RAD):g} of 0, since the feeder lays wires along y"
         )
     if (magazine is None) == (design.feeder is None):
         found = "both" if magazine is not None else "none"

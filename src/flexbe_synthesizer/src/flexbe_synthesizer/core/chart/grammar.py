@@ -239,7 +239,7 @@ class ElementReader:
                 message = f"ext:{found} is no extension of <{tag}>; it has: {has}."
             elif namespace:
                 message = f"<{tag}> has no attribute '{found}' of the namespace '{namespace}'; "
-                message += "delete its prefix if the attribute of the chart is meant, or it."
+                message += "delete it, or its prefix if the chart's own attribute is meant."
             elif found in shape.extensions:
                 message = f"<{tag}> has no attribute '{found}'; it is an extension: write "
                 message += f'ext:{found}, with xmlns:ext="{EXTENSION}" on top.'
