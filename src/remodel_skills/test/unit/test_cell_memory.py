@@ -8,8 +8,10 @@ from panels import panel
 from refusals import refused
 from scripted_device import ScriptedPlant
 
+from remodel_skills.belief_state import EndState
 from remodel_skills.cell import Cell
 from remodel_skills.edge.cell_memory import CellMemory
+from remodel_skills.ros.owner import Owner
 from remodel_states.core.codes import Code
 from remodel_states.core.contract import NO_OWNER
 from remodel_work.edge.cell_file import read_cell
@@ -109,3 +111,27 @@ def test_a_folder_that_cannot_be_made_is_refused(tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(MemoryFileError, match="cannot be written to"):
         CellMemory(tmp_path / "file" / "cell")
+
+
+class EndedJob:
+    """A goal whose last step is done."""
+
+    robots = ("robot_1",)
+
+    def step(self):
+        return True
+
+
+def test_a_finished_wire_that_cannot_be_stored_ends_no_cell_and_is_stored_later(memory, tmp_path):
+    cell = Cell(ScriptedPlant(panel()), memory=memory)
+    cell.feed("W1", "A")
+    cell.context.belief.ends.update(dict.fromkeys(WireEnd, EndState.FIXED))
+    owner = Owner(cell, clock=None)
+    (tmp_path / "cell").rename(tmp_path / "away")
+    owner.jobs.append(EndedJob())
+    owner.turn()
+    assert list(cell.plant.parked) == ["W1"], "it has its place all the same"
+    (tmp_path / "away").rename(tmp_path / "cell")
+    cell.keep()
+    assert list(memory.placed(panel()).parked) == ["W1"]
+    cell.close()

@@ -267,6 +267,9 @@ class Owner:
                 self.cell.plant.tick()
             else:
                 self.cell.come_to_rest()
+        except MemoryFileError as error:
+            # The next goal stores it again; its result says when that fails, too.
+            rospy.logerr("%s", error)
         except AbilityError as error:
             # The plant is at fault, whatever the skills were doing.
             rospy.logerr("%s", error)
