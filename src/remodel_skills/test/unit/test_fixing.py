@@ -38,7 +38,7 @@ TURNED = replace(
 )
 
 
-def fixed(*, stops, insertion_force=0.0, panel=PANEL, engaged=SOCKET):
+def fixed(*, stops, insertion_force=0.0, panel=PANEL, engaged=SOCKET, seated=True):
     """Fix an end at its bottom, which a spring holds; return the context."""
     context, arm = before_the_opening(
         lambda depth: -STIFF_N_M * max(0.0, TERMINAL.depth - depth),
@@ -47,6 +47,8 @@ def fixed(*, stops, insertion_force=0.0, panel=PANEL, engaged=SOCKET):
     context.device = replace(context.device, fixture=Clamp(stops=stops))
     context.drive(tool_before(SOCKET, context.belief.grip, TERMINAL.depth))
     context.belief.engaged = engaged
+    if seated:
+        context.belief.seat(WireEnd.A, ("X1", "1"))
     run(arm.tick, fix_cable(context, GOAL))
     return context
 
@@ -72,3 +74,8 @@ def test_a_spring_clamp_is_not_closed_but_pulled_at():
 def test_a_clamp_that_closes_on_nothing_is_not_seated():
     with refused(Code.NOT_SEATED, "met nothing: the end is not deep enough"):
         fixed(stops=False)
+
+
+def test_a_spring_clamp_that_no_push_has_filled_is_not_seated():
+    with refused(Code.NOT_SEATED, "no push has brought the end to the bottom of 'X1/1'"):
+        fixed(stops=True, insertion_force=8.0, seated=False)

@@ -2,9 +2,9 @@
 
 InsertCable pushes one end of a wire into a terminal until it seats. FixCable closes the terminal on
 the inserted end, does a pull test, and releases it; a spring clamp closed by itself as the end
-entered: there the pull test alone decides. Fixed at both ends, a wire stays where it lies: then it
-is tucked in where it stands out of its ducts, and observed from above: whether it lies in its forks
-and ducts, and whether its first end is still in its terminal.
+entered, and a push must have brought the end to its bottom. Fixed at both ends, a wire stays where
+it lies: then it is tucked in where it stands out of its ducts, and observed from above: whether it
+lies in its forks and ducts, and whether its first end is still in its terminal.
 
 PlaceConnector pushes a connector into its header until it latches, then does a pull test.
 """
@@ -206,14 +206,16 @@ def fix_cable(context: RobotContext, goal: FixGoal) -> Steps[CableFixed]:
     context.report(f"closing {where}", 0.1)
     end = belief.grip.end if belief.grip is not None else None
     terminal = context.panel.component(goal.component_id).terminal(goal.terminal_id)
-    closed = terminal.closes_itself or context.device.fixture.close_clamp(*key)
+    if terminal.closes_itself:
+        met = belief.occupied.get(key) == (goal.cable_id, end)
+        reason = f"no push has brought the end to the bottom of {where}"
+    else:
+        met = context.device.fixture.close_clamp(*key)
+        reason = f"the clamp of {where} met nothing: the end is not deep enough"
     yield from wait(context, context.parameters.motion.still_s)
-    if end is None or not closed:
-        raise AbilityError(
-            Code.NOT_SEATED,
-            f"the clamp of {where} met nothing: the end is not deep enough; extract, locate "
-            "again, insert again",
-        )
+    if end is None or not met:
+        text = f"{reason}; extract, locate again, insert again"
+        raise AbilityError(Code.NOT_SEATED, text)
     context.report(f"pulling with {goal.pull_test_force:.0f} N", 0.3)
     slip = 0.0
     if goal.pull_test_force > 0:
