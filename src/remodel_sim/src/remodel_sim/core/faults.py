@@ -48,7 +48,7 @@ KINDS: Mapping[str, FaultKind] = MappingProxyType(
         "friction_lowered": FaultKind("", (Value("share of the pads' friction", "", 0.01, 1.0),)),
         "grip_weakened": FaultKind("", (Value("share of the grip force", "", 0.05, 1.0),)),
         "camera_bumped": FaultKind(
-            "overhead or wrist",
+            "camera",
             (
                 *(Value(name, "m", -0.05, 0.05) for name in ("dx", "dy", "dz")),
                 Value("turn about the view", "rad", -0.2, 0.2),

@@ -30,13 +30,14 @@ from remodel_sim.physics.world import (
     take_picture,
 )
 from remodel_skills.device import Device, PlacedEnds
+from remodel_states.core.codes import Code
 from remodel_work.camera import Picture, View
 from remodel_work.cell.cell_design import CellDesign, WristCamera, find_panel_problems, held_panel
 from remodel_work.cell.presenting import Presentation
 from remodel_work.component_shape import Box
 from remodel_work.edge.bullet import add_static
 from remodel_work.edge.cell_file import read_cell
-from remodel_work.errors import PanelError
+from remodel_work.errors import AbilityError, PanelError
 from remodel_work.geometry import Array, Pose
 from remodel_work.panel import Channel, Connector, Panel, PanelTerminal, PanelWire, WireEnd
 from remodel_work.robot.arm import ToolPose
@@ -160,8 +161,7 @@ class SimulatedPlant:
         `tools` has where each robot stands.
 
         It is done for every wire: Bullet keeps traces of removed bodies, and a run would depend on
-            where they lay in
-        memory.
+        where they lay in memory.
         """
         self.world.clear()
         self._fork: int | None = None
@@ -290,8 +290,15 @@ class SimulatedPlant:
     def take_up(self, wire_id: str, tools: Mapping[str, ToolPose]) -> PlacedEnds:
         """Make a parked wire live again, held where it was; the live wire is parked.
 
-        Each robot starts from where it was sent last, `tools`, with open fingers.
+        Each robot starts from where it was sent last, `tools`, with open fingers. Raises
+        WIRE_NOT_FED, and nothing changes, when no such wire lies in the cell.
         """
+        if wire_id not in self.shapes():
+            raise AbilityError(
+                Code.WIRE_NOT_FED,
+                f"no piece of wire {wire_id!r} lies in the cell; there are: "
+                f"{', '.join(self.shapes()) or 'none'}; feed it",
+            )
         self._keep_shape()
         parked = self.parked.pop(wire_id)
         self._build(tools)
@@ -426,10 +433,8 @@ class SimulatedPlant:
         if self.live is None:
             return
         self._wake()
-        socket = self.world_from_socket(component_id, terminal_id)
         for end, clamp in list(self.live.clamps.items()):
-            tip = self.live.cable.tip(end)[0]
-            if np.linalg.norm(tip - socket.position) < 0.03:
+            if self._terminal_at(self.live.cable.tip(end)[0]) == (component_id, terminal_id):
                 clamp.open()
                 del self.live.clamps[end]
 
@@ -494,6 +499,9 @@ class SimulatedPlant:
             robot.force_noise = self._disturbances.force_noise
 
     def _bump_camera(self, camera: str, values: Sequence[float]) -> None:
+        there_are = [name for name in self.views if name != "scene"]
+        if camera not in there_are:
+            raise FaultError(f"no camera {camera!r}; there are: {', '.join(there_are)}")
         *shift, turn = values
         pose = Pose.level(*shift, turn)
         self._disturb(shifts={**self._disturbances.shifts, camera: pose})
