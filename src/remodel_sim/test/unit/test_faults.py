@@ -36,7 +36,7 @@ def test_a_fault_on_what_is_not_there_is_refused(cell):
         cell.plant.disturb("cable_in_the_way", "Z", [0.0, 0.0])
     with pytest.raises(FaultError, match="cell/inject_fault causes it"):
         cell.plant.disturb("server_killed", "", [])
-    with pytest.raises(FaultError, match="no camera 'wrist_2'; there are: overhead, wrist$"):
+    with pytest.raises(FaultError, match=r"no camera 'wrist_2'; there are: overhead, wrist$"):
         cell.plant.disturb("camera_bumped", "wrist_2", [0.01, 0.0, 0.0, 0.0])
     with pytest.raises(FaultError, match="no wire is live"):
         cell.plant.disturb("tip_bent", "a", [0.1])

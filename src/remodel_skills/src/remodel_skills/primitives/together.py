@@ -7,13 +7,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence, Set
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import combinations
 from typing import Any
 
 import numpy as np
 
-from remodel_skills.motion import Line
+from remodel_skills.motion import Line, timing_of
 from remodel_skills.parameters import WireParameters
 from remodel_skills.primitives.motions import (
     NOTHING,
@@ -58,19 +58,20 @@ def move_together(
         straight_line(context, target, most, may_touch)
         for (context, target), most, may_touch in zip(targets, speeds, touchable, strict=True)
     ]
-    duration = max(line.duration for line in lines)
+    timing = timing_of(lines)
     contexts = [context for context, _ in targets]
-    moves = [(c, replace(line, least_s=duration)) for c, line in zip(contexts, lines, strict=True)]
+    moves = list(zip(contexts, lines, strict=True))
     _check_apart(moves)
     for context, line in moves:
         context.space.take(line.postures(context.arm))
     tick_s = contexts[0].tick_s
-    for tick in range(1, math.ceil(duration / tick_s) + 1):
+    for tick in range(1, math.ceil(timing.duration / tick_s) + 1):
         for context, line in moves:
-            context.follow(line.at(tick * tick_s))
+            context.follow(line.between(timing.progress(tick * tick_s)))
         yield
         for context, line in moves:
-            check_lag(context, line.at((tick - context.lead_ticks) * tick_s))
+            sent = timing.progress((tick - context.lead_ticks) * tick_s)
+            check_lag(context, line.between(sent))
     for context, line in moves:
         context.follow(line.end)
     yield from wait_to_follow(contexts[0])
