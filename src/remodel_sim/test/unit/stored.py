@@ -29,6 +29,8 @@ from remodel_work.routes import ParkedWire, PlacedWires
 
 FILE = Path(__file__).with_name("stored_wires.json")
 HELD_FILE = FILE.with_name("stored_held_wire.json")
+# Fingers close on an end in this time [s].
+CLOSING_S = 0.6
 # Panels, and wires of them.
 WIRES = ((panel(), "W1"), (formboard(2), "W1"))
 
@@ -92,7 +94,7 @@ def put_held(cell, wire_id):
     holder = cell.contexts[kept["robot"]]
     with held_still(plant.world.bullet, cable, WireEnd.B):
         holder.close_fingers(plant.panel.wire(wire_id).diameter)
-        plant.rest(holder.parameters.tool.closing_s)
+        plant.rest(CLOSING_S)
     belief = holder.belief
     grip = Grip(WireEnd.B, *kept["grip"], tool=holder.commanded)
     belief.picked_at.update({WireEnd.A: grip, WireEnd.B: grip})

@@ -27,9 +27,8 @@ class ToolParameters:
     slow_before_m: float
     wire_in_grip_m: float
     close_timeout_s: float
-    closing_s: float
-    opening_s: float
     fingers_still_m: float
+    fingers_still_s: float
     open_speed_m_s: float
     release_opening_m: float
     least_opening_m: float

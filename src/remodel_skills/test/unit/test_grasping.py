@@ -1,8 +1,10 @@
 """What closed fingers say about what is between them: on a scripted device, in milliseconds."""
 
+import math
+
 import pytest
 from refusals import refused
-from scripted_device import HOME, PARAMETERS, TERMINAL, WIRE, before_the_opening
+from scripted_device import HOME, PARAMETERS, TERMINAL, TICK_S, WIRE, before_the_opening
 
 from remodel_skills.belief_state import Grip
 from remodel_skills.primitives.grasping import check_grip, close_on_wire, inside_terminal
@@ -39,6 +41,23 @@ def test_a_hand_that_holds_no_wire_opens_and_rises(gap, words):
     assert context.belief.grip is None
     assert context.device.gripper.gap == 2 * PARAMETERS.tool.open_m
     assert arm.tool.z == pytest.approx(PARAMETERS.motion.travel_z_m, abs=1e-6)
+
+
+def test_fingers_that_begin_to_close_late_are_waited_for():
+    context, arm = hand_that_closes_on(WIRE.diameter)
+    gripper = context.device.gripper
+    gripper.opened = 2 * PARAMETERS.tool.open_m
+    begun = []
+
+    def tick():
+        arm.tick()
+        begun.append(gripper.gap)
+        if len(begun) == math.ceil(0.8 * PARAMETERS.tool.fingers_still_s / TICK_S):
+            gripper.opened = gripper.stops_at
+
+    gripper.close_on = lambda thickness, slow_before: None
+    run(tick, close_on_wire(context, GRIP))
+    assert context.belief.grip is GRIP
 
 
 def test_fingers_that_feel_nothing_have_lost_the_wire():

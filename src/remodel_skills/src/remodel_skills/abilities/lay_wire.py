@@ -41,7 +41,7 @@ from remodel_skills.primitives.in_ducts import (
     places_along,
     withdraw,
 )
-from remodel_skills.primitives.motions import move_to, wait
+from remodel_skills.primitives.motions import fingers_still, move_to
 from remodel_skills.primitives.observation.checks import observe_board
 from remodel_skills.primitives.observation.views import clear_sight
 from remodel_skills.primitives.together import (
@@ -374,14 +374,14 @@ def _take(guide: RobotContext, tool: ToolPose, is_seen: bool) -> Steps[None]:
 def _close_at(guide: RobotContext, tool: ToolPose, drop: float) -> Steps[None]:
     """Open the hand, and close it so far below a tool pose [m]."""
     guide.drive_fingers(guide.parameters.tool.open_m)
-    yield from wait(guide, guide.parameters.tool.closing_s)
+    yield from fingers_still(guide)
     yield from move_to(
         guide,
         tool.at(z=max(lowest(guide), tool.z - drop)),
         guide.parameters.motion.approach_speed_m_s,
     )
     guide.drive_fingers(guide.parameters.tool.eyelet_apart_m / 2)
-    yield from wait(guide, guide.parameters.tool.closing_s)
+    yield from fingers_still(guide)
 
 
 def _is_between(guide: RobotContext) -> bool:

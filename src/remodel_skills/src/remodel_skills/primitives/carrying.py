@@ -13,7 +13,13 @@ import numpy as np
 
 from remodel_skills.belief_state import EndState, Grip
 from remodel_skills.primitives.grasping import check_grip, release
-from remodel_skills.primitives.motions import move_to, nearest_hand_yaw, rise, wait
+from remodel_skills.primitives.motions import (
+    fingers_still,
+    move_to,
+    nearest_hand_yaw,
+    rise,
+    wait,
+)
 from remodel_skills.primitives.picking_up import end_wire
 from remodel_skills.robot_context import RobotContext, Steps
 from remodel_states.core.codes import Code
@@ -84,7 +90,7 @@ def drop_into_bin(context: RobotContext, shares: tuple[float, float]) -> Steps[N
     check_grip(context)
     context.report("dropping the wire", first + 0.8 * (last - first))
     context.drive_fingers(tool.open_m)
-    yield from wait(context, tool.opening_s)
+    yield from fingers_still(context)
     context.device.magazine.drop(context.device.arm.tool.position)
     context.belief.grip = None
     _check_gone(context, before)

@@ -32,13 +32,13 @@ from remodel_skills.primitives.carrying import carry
 from remodel_skills.primitives.force_motion import ForceMotion
 from remodel_skills.primitives.grasping import (
     check_grip,
-    fingers_still,
     grips_nothing,
     inside_terminal,
     open_fingers,
 )
 from remodel_skills.primitives.motions import (
     clear_hand,
+    fingers_still,
     move_to,
     nearest_hand_yaw,
     rise,
@@ -208,7 +208,7 @@ def grip_from_above(context: RobotContext, grasp: Pose) -> Steps[None]:
         if not grips_nothing(context, context.wire.diameter):
             return
         context.drive_fingers(hand.open_m)
-        yield from wait(context, hand.opening_s)
+        yield from fingers_still(context)
     yield from clear_hand(context)
     raise AbilityError(
         Code.GRASP_MISSED,

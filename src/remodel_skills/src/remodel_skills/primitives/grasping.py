@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from remodel_skills.belief_state import EndState, Grip
-from remodel_skills.primitives.motions import choose_flip, move_to, rise, wait
+from remodel_skills.primitives.motions import choose_flip, fingers_still, move_to, rise
 from remodel_skills.primitives.observation.observing import GraspObservation, observe_end
 from remodel_skills.robot_context import RobotContext, Steps
 from remodel_states.core.codes import Code
@@ -163,21 +163,10 @@ def close_fingers_on(context: RobotContext, thickness: float) -> Steps[None]:
         )
 
 
-def fingers_still(context: RobotContext) -> Steps[float]:
-    """Wait until the fingers stop, or have had their time; return the gap between the pads [m]."""
-    tool, gap = context.parameters.tool, math.inf
-    for _ in range(math.ceil(tool.close_timeout_s / context.tick_s)):
-        yield
-        before, gap = gap, context.device.gripper.gap
-        if abs(before - gap) < tool.fingers_still_m:
-            break
-    return gap
-
-
 def _open_and_rise(context: RobotContext) -> Steps[None]:
     tool = context.parameters.tool
     context.drive_fingers(tool.open_m)
-    yield from wait(context, tool.opening_s)
+    yield from fingers_still(context)
     yield from rise(context)
 
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from remodel_skills.parameters import FixtureParameters
 from remodel_skills.primitives.grasping import grips_nothing, open_fingers
-from remodel_skills.primitives.motions import is_free, move_to, straight_line, wait
+from remodel_skills.primitives.motions import fingers_still, is_free, move_to, straight_line
 from remodel_skills.primitives.observation.checks import Inspection, inspect_ducts
 from remodel_skills.robot_context import RobotContext, Steps, occupy
 from remodel_vision.laid_wire import Passing, uppermost_past
@@ -295,7 +295,7 @@ def _tuck(context: RobotContext, standing: Standing) -> Steps[bool]:
         if is_beside and is_free(context, lower, AMONG_WIRES):
             yield from move_to(context, lower, motion.approach_speed_m_s, AMONG_WIRES)
         context.close_fingers(context.wire.diameter)
-        yield from wait(context, tool.closing_s)
+        yield from fingers_still(context)
         if not grips_nothing(context, context.wire.diameter):
             is_taken = True
             yield from _bring_down(context, take, over_middle, down)

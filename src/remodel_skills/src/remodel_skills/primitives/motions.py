@@ -234,6 +234,21 @@ def wait(context: RobotContext, seconds: float) -> Steps[None]:
         yield
 
 
+def fingers_still(context: RobotContext) -> Steps[float]:
+    """Wait until the fingers are still, or have had their time; return the gap of the pads [m].
+
+    Fingers that have not begun to move are not still yet: a real gripper begins late.
+    """
+    tool, gap, still_s = context.parameters.tool, context.device.gripper.gap, 0.0
+    for _ in range(math.ceil(tool.close_timeout_s / context.tick_s)):
+        yield
+        before, gap = gap, context.device.gripper.gap
+        still_s = still_s + context.tick_s if abs(before - gap) < tool.fingers_still_m else 0.0
+        if still_s >= tool.fingers_still_s:
+            break
+    return gap
+
+
 def held_tool(context: RobotContext, pose: Pose) -> ToolPose:
     """Return the tool pose that points the held wire's tip along a pose's x axis."""
     x, y, z = (float(v) for v in pose.position)
@@ -255,7 +270,7 @@ def clear_hand(context: RobotContext) -> Steps[None]:
     context.keeps_wire = False
     if context.fingers_open_to < tool.open_m:
         context.drive_fingers(tool.open_m)
-        yield from wait(context, tool.opening_s)
+        yield from fingers_still(context)
     yield from rise(context)
 
 
