@@ -61,7 +61,8 @@ class Line:
         start, end: tool poses; yaw changes with the same progress as position.
         speed: peak speed of the tool centre [m/s].
         motion: how fast tools speed up, and hands with a wire turn.
-        turn_rate: peak rate of the hand's turn [rad/s]; None: of a hand with a wire.
+        turn_rate: peak rate of an empty hand's turn [rad/s]; None: of a hand with a wire, which
+            also speeds up more slowly.
         least_s: the motion takes at least so long [s].
     """
 
@@ -95,8 +96,12 @@ class Line:
         motion, at_peak_s = self.motion, self.at_peak_s
         if at_peak_s == 0.0:
             return 0.0
-        longest = max(self.distance / motion.ramp_m_s2, self.turn / motion.ramp_turn_rad_s2)
-        return RAMP_PEAK * longest / at_peak_s
+        most, most_turn = (
+            (motion.wire_ramp_m_s2, motion.wire_ramp_turn_rad_s2)
+            if self.turn_rate is None
+            else (motion.ramp_m_s2, motion.ramp_turn_rad_s2)
+        )
+        return RAMP_PEAK * max(self.distance / most, self.turn / most_turn) / at_peak_s
 
     @cached_property
     def timing(self) -> Timing:

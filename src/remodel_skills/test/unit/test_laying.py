@@ -255,3 +255,22 @@ def test_a_wire_that_does_not_become_straight_is_not_in_the_eyelet():
     with refused(Code.GRASP_MISSED, "is not in the eyelet"):
         laying.cell.run(draw_straight(holder, below, 1.0), HOLDER)
     assert holder.commanded.z - height == pytest.approx(MOTION.tighten_m, abs=0.01)
+
+
+def test_a_wire_that_the_holder_lost_before_is_not_taken():
+    laying = Laying()
+    laying.holder.device.gripper.load = 0.0
+    with refused(Code.GRASP_SLIPPED, "end b of 'W3' slipped out of the fingers"):
+        laying.run()
+    assert not laying.is_closed and laying.holder.belief.grip is None
+
+
+def test_a_wire_that_the_holder_has_lost_is_not_missed_by_the_eyelet():
+    laying = Laying()
+    laying.cell.plant.arms[HOLDER].feels = lambda tool: np.zeros(3)
+    holder = laying.holder
+    holder.device.gripper.load = 0.0
+    below = holder.commanded.position - np.array([0.0, 0.0, 0.1])
+    with refused(Code.GRASP_SLIPPED, "end b of .* slipped out of the fingers"):
+        laying.cell.run(draw_straight(holder, below, 1.0), HOLDER)
+    assert holder.belief.grip is None

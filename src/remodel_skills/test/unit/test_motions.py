@@ -98,22 +98,23 @@ def test_a_long_motion_keeps_its_peak_speed_and_all_of_them_keep_to_their_limits
     assert max(speed / MOTION.lead_speed_m_s, rate / MOTION.wire_turn_rate_rad_s) > 0.99
     assert line.duration <= PEAK_OVER_MEAN * line.at_peak_s
     if line.timing.ramp is not None:
-        assert change <= 1.01 * MOTION.ramp_m_s2
-        assert turn_change <= 1.01 * MOTION.ramp_turn_rad_s2
+        assert change <= 1.01 * MOTION.wire_ramp_m_s2
+        assert turn_change <= 1.01 * MOTION.wire_ramp_turn_rad_s2
 
 
 def test_lines_with_one_timing_all_keep_to_their_limits():
     start = ToolPose(0.3, 0.0, 0.1, 0.0)
     short = Line(start, start.moved(np.array([1.0, 0.0, 0.0]), 0.04), 0.25, MOTION)
-    long = Line(start, start.moved(np.array([0.0, 1.0, 0.0]), 0.30), 0.45, MOTION)
+    long = Line(start, start.moved(np.array([0.0, 1.0, 0.0]), 0.90), 0.45, MOTION)
     turning = Line(start, ToolPose(0.3, 0.0, 0.1, 1.2), 0.25, MOTION)
     timing = timing_of([short, long, turning])
+    assert timing.ramp is not None
     assert timing.duration >= max(line.duration for line in (short, long, turning))
     for line in (short, long, turning):
         speed, rate, change, turn_change = speeds_of(line.distance, line.turn, timing)
         assert speed <= 1.001 * line.speed and rate <= 1.001 * MOTION.wire_turn_rate_rad_s
-        assert change <= 1.01 * MOTION.ramp_m_s2
-        assert turn_change <= 1.01 * MOTION.ramp_turn_rad_s2
+        assert change <= 1.01 * MOTION.wire_ramp_m_s2
+        assert turn_change <= 1.01 * MOTION.wire_ramp_turn_rad_s2
 
 
 def test_a_slow_axis_slows_the_motion_that_needs_it():

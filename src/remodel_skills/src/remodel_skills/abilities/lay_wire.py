@@ -148,6 +148,7 @@ def _goal(message: Message, board: Pose) -> LayGoal:
 @ability("LayWire", _goal)
 def lay_wire(holder: RobotContext, guide: RobotContext, goal: LayGoal) -> Steps[WireLaid]:
     """Lead the wire along its route, and keep it in its last duct."""
+    check_grip(holder)
     try:
         peak = yield from _lead(holder, guide, _route(holder))
     except AbilityError:
@@ -478,7 +479,8 @@ def draw_straight(holder: RobotContext, eyelet: Array, left: float) -> Steps[flo
     A wire that sags ahead of the hand goes through the slots of the walls.
 
     Raises:
-        AbilityError: GRASP_MISSED when it does not become straight: the eyelet does not lead it.
+        AbilityError: GRASP_MISSED when it does not become straight: the eyelet does not lead it;
+            GRASP_SLIPPED when the holder has lost it.
     """
     wire, arm = holder.parameters.wire, holder.parameters.motion
     away, step = holder.commanded.position - eyelet, arm.tighten_speed_m_s * holder.tick_s
@@ -496,6 +498,7 @@ def draw_straight(holder: RobotContext, eyelet: Array, left: float) -> Steps[flo
     if motion.force >= wire.taut_n or motion.met_limit:
         return apart
     if motion.travel >= arm.tighten_m:
+        check_grip(holder)
         raise AbilityError(
             Code.GRASP_MISSED,
             f"{holder.wire.id!r} is not in the eyelet of the leading hand: drawn by "
