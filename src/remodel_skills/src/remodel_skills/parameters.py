@@ -217,10 +217,6 @@ class MotionParameters:
     draw_speed_m_s: float
     wire_turn_rate_rad_s: float
     acceleration_m_s2: float
-    ramp_m_s2: float
-    ramp_turn_rad_s2: float
-    wire_ramp_m_s2: float
-    wire_ramp_turn_rad_s2: float
     travel_z_m: float
     lift_z_m: tuple[float, ...]
     carry_z_m: float

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from remodel_skills.edge.parameter_files import read_parameters
-from remodel_skills.motion import PEAK_OVER_MEAN, Line, timing_of
+from remodel_skills.motion import Line
 from remodel_skills.primitives.motions import choose_flip
 from remodel_work.edge.cell_file import read_cell
 from remodel_work.geometry import wrap_angle
@@ -58,7 +58,7 @@ def test_a_straight_line_is_a_smooth_motion_within_the_limits_of_all_joints(star
     rates = np.abs(np.diff(joints, axis=0)).max(axis=0) / TICK_S
     assert np.all(rates <= ARM.speeds * 1.02), rates
     jumps = np.abs(np.diff(joints, 2, axis=0)).max(axis=0) / TICK_S**2
-    assert np.all(jumps < np.array([6.0, *[20.0] * 7])), jumps
+    assert np.all(jumps < np.array([5.0, *[20.0] * 7])), jumps
     for tick, posture in enumerate(joints):
         at = ARM.tool_of(posture)
         np.testing.assert_allclose(at.position, line.at(tick * TICK_S).position, atol=1e-9)
@@ -77,44 +77,6 @@ def test_no_motion_speeds_up_faster_than_arms_allow(distance):
     steepest = np.abs(np.diff(heights, 2)).max() / (times[1] - times[0]) ** 2
     assert steepest <= MOTION.acceleration_m_s2 * 1.01
     assert steepest > 0.2 * MOTION.acceleration_m_s2, "no slower than it needs to be"
-
-
-def speeds_of(distance, turn, timing):
-    """Return peak speed [m/s], rate [rad/s] and accelerations of a motion [m/s^2, rad/s^2]."""
-    times, step_s = np.linspace(0.0, timing.duration, 2001, retstep=True)
-    shares = np.array([timing.progress(time) for time in times])
-    assert shares[0] == 0.0 and shares[-1] == 1.0 and np.all(np.diff(shares) >= 0.0)
-    speed, change = np.diff(shares).max() / step_s, np.abs(np.diff(shares, 2)).max() / step_s**2
-    return speed * distance, speed * turn, change * distance, change * turn
-
-
-@pytest.mark.parametrize("turn", [0.0, 0.3, 1.5])
-@pytest.mark.parametrize("distance", [0.03, 0.2, 0.8])
-def test_a_long_motion_keeps_its_peak_speed_and_all_of_them_keep_to_their_limits(distance, turn):
-    start = ToolPose(0.3, 0.0, 0.1, 0.0)
-    line = Line(start, ToolPose(0.3 + distance, 0.0, 0.1, turn), MOTION.lead_speed_m_s, MOTION)
-    speed, rate, change, turn_change = speeds_of(distance, turn, line.timing)
-    assert speed <= 1.001 * MOTION.lead_speed_m_s and rate <= 1.001 * MOTION.wire_turn_rate_rad_s
-    assert max(speed / MOTION.lead_speed_m_s, rate / MOTION.wire_turn_rate_rad_s) > 0.99
-    assert line.duration <= PEAK_OVER_MEAN * line.at_peak_s
-    if line.timing.ramp is not None:
-        assert change <= 1.01 * MOTION.wire_ramp_m_s2
-        assert turn_change <= 1.01 * MOTION.wire_ramp_turn_rad_s2
-
-
-def test_lines_with_one_timing_all_keep_to_their_limits():
-    start = ToolPose(0.3, 0.0, 0.1, 0.0)
-    short = Line(start, start.moved(np.array([1.0, 0.0, 0.0]), 0.04), 0.25, MOTION)
-    long = Line(start, start.moved(np.array([0.0, 1.0, 0.0]), 0.90), 0.45, MOTION)
-    turning = Line(start, ToolPose(0.3, 0.0, 0.1, 1.2), 0.25, MOTION)
-    timing = timing_of([short, long, turning])
-    assert timing.ramp is not None
-    assert timing.duration >= max(line.duration for line in (short, long, turning))
-    for line in (short, long, turning):
-        speed, rate, change, turn_change = speeds_of(line.distance, line.turn, timing)
-        assert speed <= 1.001 * line.speed and rate <= 1.001 * MOTION.wire_turn_rate_rad_s
-        assert change <= 1.01 * MOTION.wire_ramp_m_s2
-        assert turn_change <= 1.01 * MOTION.wire_ramp_turn_rad_s2
 
 
 def test_a_slow_axis_slows_the_motion_that_needs_it():

@@ -11,7 +11,7 @@ from scripted_device import PARAMETERS, TICK_S, ScriptedPlant
 
 from remodel_skills.belief_state import NO_CHANNEL, Grip
 from remodel_skills.cell import Cell
-from remodel_skills.motion import PEAK_OVER_MEAN, RAMP_PEAK
+from remodel_skills.motion import PEAK_OVER_MEAN
 from remodel_skills.primitives.motions import move_to, swing_to
 from remodel_skills.primitives.together import concurrently
 from remodel_skills.robot_context import occupy, run
@@ -109,7 +109,4 @@ def test_an_empty_hand_turns_faster_than_one_with_a_wire(portals, holds_a_wire):
     go(portals, context, replace(here, yaw=here.yaw + math.pi / 2))
     seconds = len(portals.plant.trace[context.name]) * TICK_S
     rate = MOTION.wire_turn_rate_rad_s if holds_a_wire else TURN_RATE
-    change = MOTION.wire_ramp_turn_rad_s2 if holds_a_wire else MOTION.ramp_turn_rad_s2
-    at_peak_s, ramp_s = math.pi / 2 / rate, RAMP_PEAK * rate / change
-    expected_s = min(at_peak_s + ramp_s, PEAK_OVER_MEAN * at_peak_s)
-    assert seconds == pytest.approx(expected_s, abs=0.05)
+    assert seconds == pytest.approx(PEAK_OVER_MEAN * math.pi / 2 / rate, abs=0.05)

@@ -21,7 +21,6 @@ from remodel_work.errors import CellError
 # others.
 UNITS = {
     "_m_s2": ("m/s^2", (1e-3, 20.0)),
-    "_rad_s2": ("rad/s^2", (1e-3, 100.0)),
     "_m_s": ("m/s", (1e-4, 2.0)),
     "_rad_s": ("rad/s", (1e-3, 10.0)),
     "_n_m": ("N/m", (1.0, 1e7)),

@@ -7,13 +7,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence, Set
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
 from typing import Any
 
 import numpy as np
 
-from remodel_skills.motion import Line, timing_of
+from remodel_skills.motion import Line
 from remodel_skills.parameters import WireParameters
 from remodel_skills.primitives.motions import (
     NOTHING,
@@ -58,20 +58,19 @@ def move_together(
         straight_line(context, target, most, may_touch)
         for (context, target), most, may_touch in zip(targets, speeds, touchable, strict=True)
     ]
-    timing = timing_of(lines)
+    duration = max(line.duration for line in lines)
     contexts = [context for context, _ in targets]
-    moves = list(zip(contexts, lines, strict=True))
+    moves = [(c, replace(line, least_s=duration)) for c, line in zip(contexts, lines, strict=True)]
     _check_apart(moves)
     for context, line in moves:
         context.space.take(line.postures(context.arm))
     tick_s = contexts[0].tick_s
-    for tick in range(1, math.ceil(timing.duration / tick_s) + 1):
+    for tick in range(1, math.ceil(duration / tick_s) + 1):
         for context, line in moves:
-            context.follow(line.between(timing.progress(tick * tick_s)))
+            context.follow(line.at(tick * tick_s))
         yield
         for context, line in moves:
-            sent = timing.progress((tick - context.lead_ticks) * tick_s)
-            check_lag(context, line.between(sent))
+            check_lag(context, line.at((tick - context.lead_ticks) * tick_s))
     for context, line in moves:
         context.follow(line.end)
     yield from wait_to_follow(contexts[0])
