@@ -21,6 +21,8 @@ from remodel_sim.physics.plant import SimulatedPlant
 from remodel_skills.abilities.picking import DetectGoal, PickGoal
 from remodel_skills.belief_state import EndState, Grip
 from remodel_skills.cell import Cell
+from remodel_skills.primitives.motions import fingers_still
+from remodel_skills.robot_context import run
 from remodel_work.edge.cell_file import read_cell
 from remodel_work.geometry import Pose
 from remodel_work.panel import WireEnd
@@ -29,8 +31,6 @@ from remodel_work.routes import ParkedWire, PlacedWires
 
 FILE = Path(__file__).with_name("stored_wires.json")
 HELD_FILE = FILE.with_name("stored_held_wire.json")
-# Fingers close on an end in this time [s].
-CLOSING_S = 0.6
 # Panels, and wires of them.
 WIRES = ((panel(), "W1"), (formboard(2), "W1"))
 
@@ -94,7 +94,7 @@ def put_held(cell, wire_id):
     holder = cell.contexts[kept["robot"]]
     with held_still(plant.world.bullet, cable, WireEnd.B):
         holder.close_fingers(plant.panel.wire(wire_id).diameter)
-        plant.rest(CLOSING_S)
+        run(plant.tick, fingers_still(holder))
     belief = holder.belief
     grip = Grip(WireEnd.B, *kept["grip"], tool=holder.commanded)
     belief.picked_at.update({WireEnd.A: grip, WireEnd.B: grip})

@@ -45,20 +45,6 @@ def test_a_board_that_a_cell_holds_elsewhere_is_wired_there():
     made.close()
 
 
-def test_a_clamp_that_is_opened_lets_no_end_of_its_neighbours_go(cell):
-    put_live(cell, "W1")
-    plant = cell.plant
-    component_id, own = plant.panel.wire("W1").goes_to(WireEnd.A)
-    terminals = [terminal.id for terminal in plant.panel.component(component_id).terminals]
-    assert len(terminals) > 1
-    for terminal_id in terminals:
-        if terminal_id != own:
-            plant.open_clamp(component_id, terminal_id)
-    assert plant.live.fixed == {WireEnd.A}
-    plant.open_clamp(component_id, own)
-    assert not plant.live.fixed
-
-
 def test_a_wire_that_lies_nowhere_is_not_taken_up_and_nothing_changes(cell):
     cell.feed("W1", "A")
     with refused(Code.WIRE_NOT_FED, "no piece of wire 'W2' lies in the cell; there are: W1; feed"):

@@ -433,8 +433,10 @@ class SimulatedPlant:
         if self.live is None:
             return
         self._wake()
+        socket = self.world_from_socket(component_id, terminal_id)
         for end, clamp in list(self.live.clamps.items()):
-            if self._terminal_at(self.live.cable.tip(end)[0]) == (component_id, terminal_id):
+            tip = self.live.cable.tip(end)[0]
+            if np.linalg.norm(tip - socket.position) < 0.03:
                 clamp.open()
                 del self.live.clamps[end]
 
